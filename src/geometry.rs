@@ -1,0 +1,31 @@
+//! Plane geometry that the whole crate shares.
+//!
+//! Conventions, stated once: lengths in metres, angles in radians counter-clockwise from +x,
+//! headings wrapped to (-π, π]. Closed outlines of free floor run counter-clockwise (floor on
+//! the left); outlines of solid objects run counter-clockwise too (the solid on the left).
+//! Transcendental functions go through [`angle`] (libm), so that the same input gives the same
+//! bits on every machine. Nothing here knows what a robot is.
+
+pub mod angle;
+pub mod pose;
+pub mod ring;
+
+pub use pose::Pose;
+pub use ring::{Piece, Ring};
+
+/// A position in metres.
+pub type Point = nalgebra::Point2<f64>;
+/// A displacement in metres.
+pub type Vector = nalgebra::Vector2<f64>;
+
+/// The z component of the cross product `a × b`; positive when `b` lies counter-clockwise of `a`.
+#[must_use]
+pub fn cross(a: Vector, b: Vector) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// `v` turned a quarter counter-clockwise.
+#[must_use]
+pub fn perp(v: Vector) -> Vector {
+    Vector::new(-v.y, v.x)
+}

@@ -1,0 +1,60 @@
+//! Position and heading.
+
+use super::{Point, Vector, angle};
+use serde::{Deserialize, Serialize};
+
+/// Where something is and which way it faces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Centre, metres.
+    pub position: Point,
+    /// Direction of travel, radians counter-clockwise from +x.
+    pub heading: f64,
+}
+
+impl Pose {
+    /// A pose at (`x`, `y`) metres facing `heading` radians.
+    #[must_use]
+    pub fn new(x: f64, y: f64, heading: f64) -> Self {
+        Self { position: Point::new(x, y), heading }
+    }
+
+    /// Unit vector of the heading.
+    #[must_use]
+    pub fn direction(&self) -> Vector {
+        angle::unit(self.heading)
+    }
+
+    /// A point given ahead (x) and to the left (y) of this pose, in the frame this pose is in.
+    #[must_use]
+    pub fn to_world(&self, local: Point) -> Point {
+        self.position + self.rotate(local.coords)
+    }
+
+    /// The inverse of [`Pose::to_world`].
+    #[must_use]
+    pub fn to_local(&self, world: Point) -> Point {
+        let away = world - self.position;
+        let ahead = self.direction();
+        Point::new(away.dot(&ahead), super::cross(ahead, away))
+    }
+
+    /// A displacement given ahead (x) and to the left (y), turned into this pose's outer frame.
+    #[must_use]
+    pub fn rotate(&self, local: Vector) -> Vector {
+        let ahead = self.direction();
+        ahead * local.x + super::perp(ahead) * local.y
+    }
+
+    /// This pose driven `distance` metres straight ahead.
+    #[must_use]
+    pub fn advanced(&self, distance: f64) -> Self {
+        Self { position: self.position + self.direction() * distance, heading: self.heading }
+    }
+
+    /// This pose turned counter-clockwise by `by` radians, heading wrapped.
+    #[must_use]
+    pub fn turned(&self, by: f64) -> Self {
+        Self { position: self.position, heading: angle::wrap(self.heading + by) }
+    }
+}

@@ -1,0 +1,391 @@
+//! Closed outlines of straight and circular pieces.
+
+use super::{Point, Vector, angle, cross, perp};
+use serde::{Deserialize, Serialize};
+
+/// One piece of an outline, from its start to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Piece {
+    /// A straight piece.
+    Line {
+        /// Where it begins.
+        from: Point,
+        /// Where it ends.
+        to: Point,
+    },
+    /// A circular piece.
+    Arc {
+        /// Centre of the circle.
+        center: Point,
+        /// Radius, metres, positive.
+        radius: f64,
+        /// Direction from the centre to the start, radians.
+        start: f64,
+        /// Angle swept from the start, radians; positive is counter-clockwise.
+        sweep: f64,
+    },
+}
+
+impl Piece {
+    /// Where the piece begins.
+    #[must_use]
+    pub fn from(&self) -> Point {
+        match *self {
+            Self::Line { from, .. } => from,
+            Self::Arc { center, radius, start, .. } => center + angle::unit(start) * radius,
+        }
+    }
+
+    /// Where the piece ends.
+    #[must_use]
+    pub fn to(&self) -> Point {
+        match *self {
+            Self::Line { to, .. } => to,
+            Self::Arc { center, radius, start, sweep } => {
+                center + angle::unit(start + sweep) * radius
+            }
+        }
+    }
+
+    /// Length along the piece, metres.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        match *self {
+            Self::Line { from, to } => (to - from).norm(),
+            Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
+        }
+    }
+
+    /// The point a share `t` (0 to 1) of the length along the piece.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Point {
+        match *self {
+            Self::Line { from, to } => from + (to - from) * t,
+            Self::Arc { center, radius, start, sweep } => {
+                center + angle::unit(start + sweep * t) * radius
+            }
+        }
+    }
+
+    /// Unit direction of travel a share `t` along the piece; zero for a piece without length.
+    #[must_use]
+    pub fn tangent(&self, t: f64) -> Vector {
+        match *self {
+            Self::Line { from, to } => {
+                (to - from).try_normalize(1e-12).unwrap_or_else(Vector::zeros)
+            }
+            Self::Arc { start, sweep, .. } => {
+                perp(angle::unit(start + sweep * t)) * if sweep < 0.0 { -1.0 } else { 1.0 }
+            }
+        }
+    }
+
+    /// The share of the length (0 to 1) at which the piece comes nearest to `p`.
+    #[must_use]
+    pub fn nearest(&self, p: Point) -> f64 {
+        match *self {
+            Self::Line { from, to } => {
+                let along = to - from;
+                let square = along.norm_squared();
+                if square < 1e-18 { 0.0 } else { ((p - from).dot(&along) / square).clamp(0.0, 1.0) }
+            }
+            Self::Arc { center, start, sweep, .. } => {
+                let toward = angle::of(p - center);
+                let turned = if sweep < 0.0 {
+                    angle::wrap_positive(start - toward)
+                } else {
+                    angle::wrap_positive(toward - start)
+                };
+                let size = sweep.abs();
+                if turned <= size {
+                    turned / size.max(1e-12)
+                } else if turned - size < (angle::TAU - size) / 2.0 {
+                    1.0
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// Distance from `p` to the nearest point of the piece, metres.
+    #[must_use]
+    pub fn distance(&self, p: Point) -> f64 {
+        (self.at(self.nearest(p)) - p).norm()
+    }
+
+    /// The piece run the other way.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        match *self {
+            Self::Line { from, to } => Self::Line { from: to, to: from },
+            Self::Arc { center, radius, start, sweep } => {
+                Self::Arc { center, radius, start: angle::wrap(start + sweep), sweep: -sweep }
+            }
+        }
+    }
+
+    /// The circular piece from `from` to `to` with `bulge` = tan(sweep / 4), as in DXF; a straight
+    /// one for a bulge of zero.
+    #[must_use]
+    pub fn with_bulge(from: Point, to: Point, bulge: f64) -> Self {
+        let chord = to - from;
+        let length = chord.norm();
+        if bulge == 0.0 || length == 0.0 {
+            return Self::Line { from, to };
+        }
+        let sweep = 4.0 * angle::atan(bulge);
+        let radius = length / (2.0 * angle::sin(sweep.abs() / 2.0));
+        // The centre lies left of the chord for a counter-clockwise arc below a half turn.
+        let offset = radius * angle::cos(sweep.abs() / 2.0) * bulge.signum();
+        let center = from + chord * 0.5 + perp(chord) * (offset / length);
+        Self::Arc { center, radius, start: angle::of(from - center), sweep }
+    }
+}
+
+/// A closed outline: each piece begins where the one before it ends.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Ring {
+    /// The pieces in order.
+    pub pieces: Vec<Piece>,
+}
+
+/// The place on a ring nearest to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foot {
+    /// Index of the piece.
+    pub piece: usize,
+    /// Share of that piece's length, 0 to 1.
+    pub t: f64,
+    /// The place itself.
+    pub point: Point,
+    /// How far away it is, metres.
+    pub distance: f64,
+}
+
+impl Ring {
+    /// A polygon through `vertices`, which closes itself.
+    #[must_use]
+    pub fn polygon(vertices: &[Point]) -> Self {
+        let count = vertices.len();
+        let pieces = (0..count)
+            .map(|k| Piece::Line { from: vertices[k], to: vertices[(k + 1) % count] })
+            .collect();
+        Self { pieces }
+    }
+
+    /// A full circle, counter-clockwise from the direction +x.
+    #[must_use]
+    pub fn circle(center: Point, radius: f64) -> Self {
+        Self { pieces: vec![Piece::Arc { center, radius, start: 0.0, sweep: angle::TAU }] }
+    }
+
+    /// Signed area, square metres; positive when the ring runs counter-clockwise.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.pieces
+            .iter()
+            .map(|piece| {
+                let chord = cross(piece.from().coords, piece.to().coords) / 2.0;
+                match *piece {
+                    Piece::Line { .. } => chord,
+                    Piece::Arc { radius, sweep, .. } => {
+                        chord + radius * radius * (sweep - angle::sin(sweep)) / 2.0
+                    }
+                }
+            })
+            .sum()
+    }
+
+    /// Length of the outline, metres.
+    #[must_use]
+    pub fn perimeter(&self) -> f64 {
+        self.pieces.iter().map(Piece::length).sum()
+    }
+
+    /// The place on the ring nearest to `p`; none for a ring without pieces.
+    #[must_use]
+    pub fn nearest(&self, p: Point) -> Option<Foot> {
+        let mut best: Option<Foot> = None;
+        for (index, piece) in self.pieces.iter().enumerate() {
+            let t = piece.nearest(p);
+            let point = piece.at(t);
+            let distance = (point - p).norm();
+            if best.is_none_or(|b| distance < b.distance) {
+                best = Some(Foot { piece: index, t, point, distance });
+            }
+        }
+        best
+    }
+
+    /// Distance from `p` to the outline, metres; infinite for a ring without pieces.
+    #[must_use]
+    pub fn distance(&self, p: Point) -> f64 {
+        self.nearest(p).map_or(f64::INFINITY, |foot| foot.distance)
+    }
+
+    /// Whether `p` lies inside, by winding number; on the outline itself either answer may come.
+    #[must_use]
+    pub fn contains(&self, p: Point) -> bool {
+        let mut crossings = 0;
+        for piece in &self.pieces {
+            crossings += match *piece {
+                Piece::Line { from, to } => crossing(from, to, p),
+                Piece::Arc { .. } => {
+                    // Chords of at most an eighth turn; the sliver between chord and arc is
+                    // decided by the circle itself.
+                    arc_crossings(piece, p)
+                }
+            };
+        }
+        crossings != 0
+    }
+
+    /// The outline as points, without repeating the first; arcs are cut into chords whose middle
+    /// lies at most `sagitta` metres off the arc.
+    #[must_use]
+    pub fn to_points(&self, sagitta: f64) -> Vec<Point> {
+        let mut points = Vec::new();
+        for piece in &self.pieces {
+            let steps = match *piece {
+                Piece::Line { .. } => 1,
+                Piece::Arc { radius, sweep, .. } => chord_count(radius, sweep, sagitta),
+            };
+            points.extend((0..steps).map(|k| piece.at(f64::from(k) / f64::from(steps))));
+        }
+        points
+    }
+
+    /// The same outline run the other way.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self { pieces: self.pieces.iter().rev().map(Piece::reversed).collect() }
+    }
+
+    /// The same outline, counter-clockwise.
+    #[must_use]
+    pub fn counter_clockwise(self) -> Self {
+        if self.area() < 0.0 { self.reversed() } else { self }
+    }
+
+    /// The box around the outline: its lowest and highest corner; none without pieces.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(Point, Point)> {
+        bounds(&self.to_points(1e-3))
+    }
+}
+
+/// The box around some points: its lowest and highest corner; none without points.
+#[must_use]
+pub fn bounds(points: &[Point]) -> Option<(Point, Point)> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p))))
+}
+
+/// How many chords an arc needs so that none strays more than `sagitta` metres from it.
+#[must_use]
+pub fn chord_count(radius: f64, sweep: f64, sagitta: f64) -> u32 {
+    let widest = 2.0 * angle::acos(1.0 - (sagitta / radius).min(1.0));
+    ((sweep.abs() / widest.max(1e-3)).ceil() as u32).max(2)
+}
+
+/// +1 or -1 when the straight piece crosses the ray from `p` towards +x, else 0.
+fn crossing(from: Point, to: Point, p: Point) -> i32 {
+    let side = cross(to - from, p - from);
+    if from.y <= p.y && to.y > p.y && side > 0.0 {
+        1
+    } else if from.y > p.y && to.y <= p.y && side < 0.0 {
+        -1
+    } else {
+        0
+    }
+}
+
+fn arc_crossings(arc: &Piece, p: Point) -> i32 {
+    let Piece::Arc { center, radius, sweep, .. } = *arc else { return 0 };
+    let steps = ((sweep.abs() / angle::FRAC_PI_4).ceil() as u32).max(1);
+    let mut total = 0;
+    for k in 0..steps {
+        let from = arc.at(f64::from(k) / f64::from(steps));
+        let to = arc.at(f64::from(k + 1) / f64::from(steps));
+        total += crossing(from, to, p);
+        // Within the sliver between the chord and the arc the chord's answer is one turn short.
+        let outward = if sweep > 0.0 { -1.0 } else { 1.0 };
+        let beyond_chord = cross(to - from, p - from) * outward > 0.0;
+        if beyond_chord && (p - center).norm() < radius {
+            total += if sweep > 0.0 { 1 } else { -1 };
+        }
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stadium() -> Ring {
+        let corner = |x: f64, y: f64| Point::new(x, y);
+        Ring {
+            pieces: vec![
+                Piece::with_bulge(corner(0.0, 0.0), corner(4.0, 0.0), 0.0),
+                Piece::with_bulge(corner(4.0, 0.0), corner(4.0, 2.0), 1.0),
+                Piece::with_bulge(corner(4.0, 2.0), corner(0.0, 2.0), 0.0),
+                Piece::with_bulge(corner(0.0, 2.0), corner(0.0, 0.0), 1.0),
+            ],
+        }
+    }
+
+    #[test]
+    fn a_stadium_has_the_area_and_perimeter_of_the_textbook() {
+        let ring = stadium();
+        assert!((ring.area() - (8.0 + angle::PI)).abs() < 1e-9, "{}", ring.area());
+        assert!((ring.perimeter() - (8.0 + angle::TAU)).abs() < 1e-9, "{}", ring.perimeter());
+        assert!((ring.reversed().area() + ring.area()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn containment_agrees_with_the_shape_on_a_lattice() {
+        let ring = stadium();
+        for i in -20..=80 {
+            for j in -20..=60 {
+                let p = Point::new(f64::from(i) * 0.0837, f64::from(j) * 0.0713);
+                let nearest_on_spine = Point::new(p.x.clamp(0.0, 4.0), 1.0);
+                let off = (p - nearest_on_spine).norm() - 1.0;
+                let in_box = p.x > 0.0 && p.x < 4.0 && p.y > 0.0 && p.y < 2.0;
+                if off.abs() > 1e-6 {
+                    assert_eq!(ring.contains(p), off < 0.0 || in_box, "at {p}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_arc_that_bends_inwards_is_cut_out() {
+        let quarter = angle::tan(angle::PI / 8.0);
+        let vertices = [(0.0, 0.0, -quarter), (2.0, 0.0, 0.0), (2.0, 2.0, 0.0), (0.0, 2.0, 0.0)];
+        let pieces = (0..4)
+            .map(|k| {
+                let (x0, y0, bulge) = vertices[k];
+                let (x1, y1, _) = vertices[(k + 1) % 4];
+                Piece::with_bulge(Point::new(x0, y0), Point::new(x1, y1), bulge)
+            })
+            .collect();
+        let ring = Ring { pieces };
+        let segment = (angle::PI / 4.0 * 2.0) - 1.0;
+        assert!((ring.area() - (4.0 - segment)).abs() < 1e-9, "{}", ring.area());
+        assert!(!ring.contains(Point::new(1.0, 0.2)));
+        assert!(ring.contains(Point::new(1.0, 0.5)));
+    }
+
+    #[test]
+    fn chords_stay_within_the_sagitta() {
+        let ring = Ring::circle(Point::new(1.0, 1.0), 2.0);
+        let points = ring.to_points(0.001);
+        for (k, a) in points.iter().enumerate() {
+            let b = points[(k + 1) % points.len()];
+            let middle = nalgebra::center(a, &b);
+            assert!(2.0 - (middle - Point::new(1.0, 1.0)).norm() <= 0.001 + 1e-12);
+        }
+    }
+}

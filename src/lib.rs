@@ -1,0 +1,4 @@
+//! Periplus: an operator console for robots that map a room by touch.
+pub mod geometry;
+pub mod mapping;
+pub mod robot;

@@ -1,0 +1,2 @@
+//! The `periplus` program: see the library's crate documentation.
+fn main() {}

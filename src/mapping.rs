@@ -1,0 +1,3 @@
+//! The mapping core.
+pub mod map;
+pub mod settings;

@@ -1,0 +1,284 @@
+//! The map as far as it is known: contacts, outline, shape, plan and objects, as plain data.
+//! Every phase adds its part; the screen and the exports read it.
+
+use super::settings::Strategy;
+use crate::geometry::{Point, Pose, Ring};
+use serde::{Deserialize, Serialize};
+
+/// The four phases, in order (paper III.C to III.F).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// III.C: find and follow the boundary.
+    Boundary,
+    /// III.D: what shape it has.
+    Shape,
+    /// III.E: the path plan.
+    Plan,
+    /// III.F: drive the plan and map what is met.
+    Objects,
+}
+
+/// What kind of evidence a contact is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ContactKind {
+    /// A switch closed or opened at its known range: the point lies on a surface.
+    Range,
+    /// A beam slid off the end of something nearer than its range: the point is where the
+    /// surface was believed to end, good to a few centimetres along the beam.
+    Edge,
+    /// The bumper or a stall: the point is the body's rim in the direction of travel.
+    Touch,
+}
+
+/// One piece of evidence of a surface, in the map frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Where the surface is.
+    pub point: Point,
+    /// Where the robot's centre was.
+    pub from: Point,
+    /// Which switch; none for the bumper.
+    pub sensor: Option<usize>,
+    /// What kind of evidence.
+    pub kind: ContactKind,
+    /// Robot time, seconds.
+    pub time: f64,
+}
+
+/// What odometry was off by when a lap closed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Misclosure {
+    /// Metres in x.
+    pub dx: f64,
+    /// Metres in y.
+    pub dy: f64,
+    /// Radians.
+    pub heading: f64,
+    /// Length of the lap, metres.
+    pub lap: f64,
+}
+
+impl Misclosure {
+    /// N of 1:N, the surveyor's ratio of lap length to misclosure; infinite for none.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        let off = crate::geometry::angle::hypot(self.dx, self.dy);
+        if off > 0.0 { self.lap / off } else { f64::INFINITY }
+    }
+}
+
+/// The shape of the boundary (paper III.D).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ShapeClass {
+    /// No vertices: one circle.
+    Circle,
+    /// A polygon that always turns the same way.
+    Convex,
+    /// A polygon that also turns the other way.
+    Concave,
+    /// Straight and circular pieces together.
+    Complex,
+}
+
+/// The shape of one part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PartClass {
+    /// A convex polygon.
+    Convex,
+    /// A concave polygon.
+    Concave,
+    /// A full circle.
+    Circle,
+    /// Half of a circle, on a cut or wall through the centre (within tolerance).
+    Semicircle,
+    /// Any other piece of a circle, bounded by one arc and its chord or radii.
+    Sector,
+}
+
+/// A part of the reachable area that is planned for itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// What it is.
+    pub class: PartClass,
+    /// Its outline, counter-clockwise.
+    pub ring: Ring,
+    /// For each piece of `ring`: whether it is a cut through open floor rather than a wall.
+    pub cut: Vec<bool>,
+    /// The circle, for the circular classes: centre and radius in metres.
+    pub circle: Option<(Point, f64)>,
+}
+
+/// What the Shape phase found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// What the whole is.
+    pub class: ShapeClass,
+    /// The wall line: straight and circular pieces, counter-clockwise, closed, simple.
+    pub outline: Ring,
+    /// The turn points: where the outline turns by more than 1 degree (III.D).
+    pub vertices: Vec<Point>,
+    /// The parts to plan; one for everything that is not complex.
+    pub parts: Vec<Part>,
+}
+
+/// How far a line of the plan has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LineStatus {
+    /// To be driven.
+    Planned,
+    /// Being driven.
+    Driving,
+    /// Driven from end to end.
+    Driven,
+    /// Something stands on it; driven as far as could be.
+    Blocked,
+    /// Left out for a stated reason.
+    Skipped,
+    /// Never part of the plan, kept for the record with its reason (figure 8).
+    Rejected,
+}
+
+/// Why a line was rejected, blocked or skipped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LineReason {
+    /// It runs along the boundary, which was already driven (III.E).
+    AlongBoundary,
+    /// Part of it leaves the reachable area (III.E, figure 8).
+    LeavesArea,
+    /// The same line is in the plan already.
+    Duplicate,
+    /// The robot's body does not fit along it.
+    NoClearance,
+    /// A shorter plan does without it.
+    Redundant,
+    /// Known objects already cover all of it.
+    CoveredByObjects,
+    /// An object stands where it begins or ends.
+    EndOccupied,
+    /// An object that could not be passed stands on it.
+    ObjectOnLine,
+    /// No way for the body leads there.
+    Unreachable,
+}
+
+/// One entry of the path plan: [start vertex, end point, line id, angle] (III.E), with the piece of
+/// it that the robot's centre can drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlanLine {
+    /// Its number, from 1.
+    pub id: u32,
+    /// Index of the part it belongs to.
+    pub part: usize,
+    /// Index of the start vertex in the part's outline (for a circle: of the point on it).
+    pub vertex: usize,
+    /// The start vertex on the wall line.
+    pub start: Point,
+    /// The end point on the opposite edge.
+    pub end: Point,
+    /// Angle at the start vertex from the outgoing boundary edge to the line, radians,
+    /// anti-clockwise.
+    pub angle: f64,
+    /// Where the robot's centre begins and ends when it drives the line; none when it cannot.
+    pub drive: Option<(Point, Point)>,
+    /// How far it has come.
+    pub status: LineStatus,
+    /// Why, unless planned or driven.
+    pub reason: Option<LineReason>,
+}
+
+/// What a strategy costs and promises.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PlanFigures {
+    /// Which strategy.
+    pub strategy: Strategy,
+    /// Lines to be driven.
+    pub lines: usize,
+    /// Their length together with the ways between them, metres.
+    pub length: f64,
+    /// Diameter of the hidden disc that remains, metres.
+    pub hidden_disc: f64,
+}
+
+/// What the Plan phase found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// α it was made for, metres.
+    pub alpha: f64,
+    /// All entries, the rejected ones too.
+    pub lines: Vec<PlanLine>,
+    /// Ids of the lines to drive, in driving order, and whether each is driven from its end.
+    pub order: Vec<(u32, bool)>,
+    /// Figures of the chosen strategy.
+    pub figures: PlanFigures,
+    /// Figures of the other strategies.
+    pub alternatives: Vec<PlanFigures>,
+}
+
+/// What an object looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ObjectClass {
+    /// A circle.
+    Circle,
+    /// Four right angles.
+    Rectangle,
+    /// Any other convex outline.
+    Convex,
+    /// An outline with a bay.
+    Concave,
+    /// Not closed yet.
+    Open,
+}
+
+/// An extrinsic object (III.A).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MappedObject {
+    /// Its number, from 1.
+    pub id: u32,
+    /// What it looks like.
+    pub class: ObjectClass,
+    /// Its surface, counter-clockwise; for an open one the chain of contacts closed by a chord.
+    pub outline: Ring,
+    /// Whether all 360 degrees were seen.
+    pub closed: bool,
+    /// The contacts it was made of.
+    pub contacts: Vec<Contact>,
+}
+
+/// One place of the trajectory.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PathPoint {
+    /// Believed pose in the map frame.
+    pub pose: Pose,
+    /// Robot time, microseconds.
+    pub time_us: u64,
+    /// Which phase it belongs to.
+    pub phase: Phase,
+}
+
+/// Everything known so far.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RoomMap {
+    /// Every contact that made the boundary, in order along the lap, adjusted.
+    pub contacts: Vec<Contact>,
+    /// Whether the boundary's lap is closed.
+    pub closed: bool,
+    /// Misclosure of that lap, before adjusting.
+    pub misclosure: Option<Misclosure>,
+    /// The Shape phase's result.
+    pub shape: Option<Shape>,
+    /// The Plan phase's result.
+    pub plan: Option<Plan>,
+    /// The extrinsic objects.
+    pub objects: Vec<MappedObject>,
+    /// Where the robot believes it went, chord error at most 1 mm.
+    pub path: Vec<PathPoint>,
+    /// Diameter of the hidden disc as driven so far, metres; none before the Plan phase.
+    pub hidden_disc: Option<f64>,
+}

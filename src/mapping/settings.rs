@@ -1,0 +1,61 @@
+//! What the operator chooses before a run.
+
+use crate::geometry::Pose;
+use crate::robot::Chassis;
+use serde::{Deserialize, Serialize};
+
+/// How the path plan is made (paper III.E).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Strategy {
+    /// Every vertex to every opposite edge at α: the paper to the letter.
+    Paper,
+    /// The fewest of the paper's own lines that leave no larger hidden disc than α.
+    #[default]
+    Lean,
+    /// Parallel lanes.
+    Lanes,
+}
+
+/// How an object met on a line is gone round (paper III.F).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Contour {
+    /// Past it on one side, then the same line the other way with the object on the same side.
+    TwoPass,
+    /// One full round at first contact.
+    #[default]
+    FullLoop,
+}
+
+/// Everything that shapes a run besides what the robot meets.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// α: the accuracy factor, metres.
+    pub alpha: f64,
+    /// How the path plan is made.
+    pub strategy: Strategy,
+    /// How objects are gone round.
+    pub contour: Contour,
+    /// Seeds the random directions of the search and the first diameter of a circle's plan.
+    pub seed: u64,
+    /// Where the robot stands at the beginning, in the map frame.
+    pub start: Pose,
+    /// The robot's body.
+    pub chassis: Chassis,
+}
+
+impl Settings {
+    /// The design's defaults for a robot that starts at `start`.
+    #[must_use]
+    pub fn new(start: Pose) -> Self {
+        Self {
+            alpha: 0.25,
+            strategy: Strategy::default(),
+            contour: Contour::default(),
+            seed: 1,
+            start,
+            chassis: Chassis::default(),
+        }
+    }
+}

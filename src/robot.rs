@@ -1,0 +1,10 @@
+//! The vocabulary that host and robot share: what may be asked of a robot, what it reports, and
+//! what its body is like (paper III.B). Plain data; nothing here moves or decides.
+
+pub mod chassis;
+pub mod command;
+pub mod telemetry;
+
+pub use chassis::{Chassis, SensorMount, SwitchSet};
+pub use command::{Command, CommandId, Guard, Motion};
+pub use telemetry::{DoneReason, Edge, Odometer, Telemetry};

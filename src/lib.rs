@@ -2,3 +2,4 @@
 pub mod geometry;
 pub mod mapping;
 pub mod robot;
+pub mod session;

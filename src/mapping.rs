@@ -1,3 +1,4 @@
 //! The mapping core.
+pub mod event;
 pub mod map;
 pub mod settings;

@@ -3,8 +3,10 @@
 
 pub mod chassis;
 pub mod command;
+pub mod intent;
 pub mod telemetry;
 
 pub use chassis::{Chassis, SensorMount, SwitchSet};
 pub use command::{Command, CommandId, Guard, Motion};
+pub use intent::Intent;
 pub use telemetry::{DoneReason, Edge, Odometer, Telemetry};

@@ -27,7 +27,11 @@ impl SwitchSet {
     /// This set with switch `index` in it or not.
     #[must_use]
     pub fn with(self, index: usize, on: bool) -> Self {
-        if on { Self(self.0 | 1 << index) } else { Self(self.0 & !(1 << index)) }
+        if on {
+            Self(self.0 | 1 << index)
+        } else {
+            Self(self.0 & !(1 << index))
+        }
     }
 
     /// Everything in either set.
@@ -92,7 +96,14 @@ impl Chassis {
     #[must_use]
     pub fn with_switches(count: usize) -> Self {
         const NAMES: [&str; 8] = [
-            "front", "front left", "left", "back left", "back", "back right", "right", "front right",
+            "front",
+            "front left",
+            "left",
+            "back left",
+            "back",
+            "back right",
+            "right",
+            "front right",
         ];
         let sensors = (0..count)
             .map(|k| SensorMount {

@@ -1,0 +1,31 @@
+//! What the operator may want; the only way in which a person speaks to the session.
+
+use serde::{Deserialize, Serialize};
+
+/// One wish of the operator. Keys, the command line and scripts all become one of these.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "intent")]
+pub enum Intent {
+    /// Go on by itself until told otherwise.
+    Run,
+    /// Let the command in hand end, then wait.
+    Pause,
+    /// Send one more command, then wait.
+    StepCommand,
+    /// Go on until the next event, then wait.
+    StepEvent,
+    /// Go on until the phase ends, then wait.
+    StepPhase,
+    /// Stand still now and stay so (latched).
+    Stop,
+    /// Allow motion again after a stop; does not start any and does not change the phase.
+    ClearStop,
+    /// Use another α (metres); the plan is made anew if its phase was reached and none of its lines is
+    /// driven yet.
+    SetAlpha {
+        /// Metres.
+        alpha: f64,
+    },
+    /// The run is over: stop and keep what is known.
+    Finish,
+}

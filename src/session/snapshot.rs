@@ -1,0 +1,111 @@
+//! What the screen may know: a copy of the state at one instant, with what is unknown or old
+//! marked as such. The view is a pure function of this.
+
+use crate::geometry::Pose;
+use crate::mapping::event::{Event, Failure};
+use crate::mapping::map::{Phase, RoomMap};
+use crate::mapping::settings::Settings;
+use crate::robot::{Command, SwitchSet};
+
+/// Whether the robot may move, and on whose word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RunState {
+    /// Waiting for the operator.
+    Paused,
+    /// Going on by itself.
+    Running,
+    /// Going on until the next command, event or phase has ended.
+    Stepping(Step),
+    /// Stopped and latched until cleared.
+    Stopped,
+    /// Everything is done.
+    Complete,
+    /// Ended short of its goal.
+    Failed(Failure),
+}
+
+/// How far a step goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// One command.
+    Command,
+    /// Until something happens.
+    Event,
+    /// Until the phase ends.
+    Phase,
+}
+
+/// A value that may never have arrived or may be old.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Known<T> {
+    /// It never arrived.
+    #[default]
+    Unknown,
+    /// It arrived, but too long ago to act on.
+    Stale {
+        /// The last value.
+        value: T,
+        /// How old it is, seconds.
+        age: f64,
+    },
+    /// It is current.
+    Known(T),
+}
+
+/// What the robot last said of itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobotView {
+    /// Believed pose in the map frame.
+    pub pose: Pose,
+    /// One standard deviation of the position, metres, as the core believes.
+    pub position_sd: f64,
+    /// Which switches are closed.
+    pub switches: SwitchSet,
+    /// Whether the bumper is pressed.
+    pub bumper: bool,
+    /// Whether a motion is under way.
+    pub moving: bool,
+}
+
+/// How far one phase has come.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PhaseProgress {
+    /// 0 to 1 where it can be told (Boundary: by turning and closeness to the first contact; Objects: by
+    /// metres of plan driven), none where it cannot.
+    pub share: Option<f64>,
+    /// Robot time spent in it, seconds.
+    pub seconds: f64,
+    /// Metres travelled in it.
+    pub travel: f64,
+    /// Commands sent in it.
+    pub commands: u32,
+    /// Whether it is over.
+    pub done: bool,
+}
+
+/// One instant of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapshot {
+    /// Robot time, seconds.
+    pub time: f64,
+    /// Which phase the run is in.
+    pub phase: Phase,
+    /// The four phases in order.
+    pub progress: [PhaseProgress; 4],
+    /// Whether the robot may move.
+    pub run: RunState,
+    /// What the robot last said.
+    pub robot: Known<RobotView>,
+    /// The command in hand, and in words why it was chosen.
+    pub command: Option<(Command, String)>,
+    /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
+    pub map: RoomMap,
+    /// What the run was started with (α as it is now).
+    pub settings: Settings,
+    /// The newest events, oldest first; as many as the log can show.
+    pub events: Vec<Event>,
+    /// Bumper contacts so far.
+    pub bumps: u32,
+    /// What the robot is called: the world's name, or the port.
+    pub source: String,
+}

@@ -15,6 +15,8 @@ pub struct Frontier {
     pub stretch: Stretch,
     /// Whether the stretch rests on contacts that lie well apart.
     pub certain: bool,
+    /// How far beyond the last contact it is believed, metres: in proportion to what was seen.
+    pub extent: f64,
 }
 
 /// A direction to step in.
@@ -62,7 +64,7 @@ impl Rolling {
         let frontier = self.frontier(&chain, pose);
         let mut obstacles = contacts.to_vec();
         if !ended {
-            let ahead = (step + self.radius) / 0.02;
+            let ahead = (step + self.radius).min(frontier.extent) / 0.02;
             obstacles.extend(
                 (1..=ahead as i32)
                     .map(|k| frontier.at + frontier.stretch.along * (f64::from(k) * 0.02)),
@@ -148,8 +150,8 @@ impl Rolling {
         }
         let away = at - pose.position;
         let level: Vector = crate::geometry::perp(away) * -self.side.sign();
-        let (stretch, certain) = match best {
-            Some((stretch, spread)) => (stretch, spread > 0.05),
+        let (stretch, certain, extent) = match best {
+            Some((stretch, spread)) => (stretch, spread > 0.05, (2.0 * spread).max(0.06)),
             None => {
                 let along = level
                     .try_normalize(1e-9)
@@ -161,6 +163,7 @@ impl Rolling {
                         residual: 0.0,
                     },
                     false,
+                    0.1,
                 )
             }
         };
@@ -174,6 +177,7 @@ impl Rolling {
             at,
             stretch: Stretch { along, ..stretch },
             certain,
+            extent,
         }
     }
 }

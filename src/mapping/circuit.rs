@@ -1,15 +1,17 @@
 //! One lap round something: follow the wall until back where it was first met (paper III.C).
 //!
 //! Closing takes two things at once: the robot crosses a line through a place it passed at the
-//! beginning, near that place, and it has turned by one whole turn since then, counted
-//! cumulatively. Spirals and combs pass near the beginning too, but not with one whole turn. The
-//! sign of that turn tells inside from outside.
+//! beginning, near that place, and it faces the same way there. The sense of the one whole turn
+//! that a closed lap makes (Hopf's theorem on turning tangents) is read from the area that the
+//! driven path encloses rather than from the turns themselves: in narrow pockets the robot turns
+//! about on the spot, and which way round it did so says nothing of the wall. That sense tells
+//! inside from outside.
 
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
 use super::odometry::Tracker;
 use super::wall::Wall;
-use crate::geometry::{Pose, angle};
+use crate::geometry::{Point, Pose, angle, cross};
 use crate::robot::Chassis;
 
 /// A place early in the lap at which it may close.
@@ -89,6 +91,7 @@ pub struct Circuit {
     previous: Option<Anchor>,
     closure: Option<Closure>,
     overlap: f64,
+    trail: Vec<(f64, Point)>,
 }
 
 impl Circuit {
@@ -103,6 +106,7 @@ impl Circuit {
             previous: None,
             closure: None,
             overlap,
+            trail: Vec::new(),
         }
     }
 
@@ -158,7 +162,23 @@ impl Circuit {
         if young && self.closure.is_none() {
             self.anchors.push(here);
         }
+        self.trail.push((here.travelled, here.pose.position));
         self.previous = Some(here);
+    }
+
+    /// +1 when the path since `anchor` runs counter-clockwise round what it encloses, else -1.
+    fn sense(&self, anchor: &Anchor) -> f64 {
+        let since = self
+            .trail
+            .partition_point(|(travelled, _)| *travelled < anchor.travelled);
+        let path = &self.trail[since..];
+        let doubled: f64 = (0..path.len())
+            .map(|k| {
+                let (a, b) = (path[k].1, path[(k + 1) % path.len()].1);
+                cross(a - anchor.pose.position, b - anchor.pose.position)
+            })
+            .sum();
+        if doubled < 0.0 { -1.0 } else { 1.0 }
     }
 
     fn after_step(&mut self, tracker: &Tracker) {
@@ -172,7 +192,11 @@ impl Circuit {
             .anchors
             .iter()
             .find_map(|anchor| crossing(anchor, &before, &now));
-        self.closure = crossed.map(|(from, to)| Closure { from, to, side });
+        self.closure = crossed.map(|(from, mut to)| {
+            let turned = angle::wrap(to.pose.heading - from.pose.heading);
+            to.heading = from.heading + turned + angle::TAU * self.sense(&from);
+            Closure { from, to, side }
+        });
     }
 }
 
@@ -190,10 +214,11 @@ fn crossing(anchor: &Anchor, before: &Anchor, now: &Anchor) -> Option<(Anchor, A
     }
     let share = behind.x / (behind.x - past.x);
     let lateral = behind.y + (past.y - behind.y) * share;
-    let heading = before.heading + (now.heading - before.heading) * share;
-    let turned = (heading - anchor.heading).abs() - angle::TAU;
-    let near = lateral.abs() < 0.05 + 0.004 * lap.min(40.0);
-    let whole = turned.abs() < (25.0 + 0.1 * lap).to_radians();
+    let heading = before.heading + angle::wrap(now.heading - before.heading) * share;
+    let turned = angle::wrap(heading - anchor.heading);
+    // Never as wide as half of the narrowest lane, or the next lane would do for this one.
+    let near = lateral.abs() < (0.05 + 0.004 * lap).min(0.15);
+    let whole = turned.abs() < (25.0 + 0.1 * lap).min(40.0).to_radians();
     (near && whole).then(|| {
         let to = Anchor {
             pose: Pose {

@@ -136,6 +136,8 @@ pub struct Follower {
 const SHORTEST_STRIDE: f64 = 0.09;
 const LONGEST_STRIDE: f64 = 0.30;
 const ROUND_CORNER: f64 = 0.05;
+/// Rolling round a corner never turns farther towards the wall than this at once, radians.
+const MOST_TOWARDS: f64 = 1.9;
 
 impl Follower {
     /// Follows with the wall on `side`.
@@ -331,7 +333,7 @@ impl Follower {
             .rolling
             .direction(&contacts, rest.pose, step, self.ended)?;
         self.frontier = found.frontier;
-        let turn = angle::wrap(found.heading - rest.pose.heading);
+        let turn = self.the_way_round(found.heading - rest.pose.heading);
         if turn.abs() < 0.015 {
             return Some(self.step(step));
         }
@@ -348,6 +350,19 @@ impl Follower {
                 "facing along the wall"
             },
         })
+    }
+
+    /// The turn by `by` radians, or a whole turn more or less: away from the wall when it is large.
+    /// In a dead end the robot must turn away from the wall, never through it, or the turns of a
+    /// lap would not add up to one.
+    fn the_way_round(&self, by: f64) -> f64 {
+        let towards = angle::wrap(by) * self.side.sign();
+        self.side.sign()
+            * if towards > MOST_TOWARDS {
+                towards - angle::TAU
+            } else {
+                towards
+            }
     }
 
     fn step(&mut self, length: f64) -> Ask {

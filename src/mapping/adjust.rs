@@ -18,57 +18,83 @@ const CONTACT_SD: f64 = 0.003;
 const POSITION_SD_PER_METRE: f64 = 0.006;
 const HEADING_SD: f64 = 0.05;
 
+/// What the overlap says of a lap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// How far odometry is off.
+    pub misclosure: Misclosure,
+    /// Share of the overlap's contacts that fall on walls seen at the beginning once the
+    /// misclosure is taken out, 0 to 1. Low when this is another place that only looks near.
+    pub agreement: f64,
+}
+
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
-/// overlap: the contacts after `closure.to` against the walls after `closure.from`.
+/// overlap: the contacts after `closure.to` laid on the walls after `closure.from` (iterated closest
+/// points, point to line, with odometry's own spread as the prior).
 #[must_use]
-pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Misclosure {
+pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
+    let since = |s: &Sighting| s.travelled - closure.from.travelled;
     let early: Vec<Point> = sightings
         .iter()
         .filter(range)
-        .filter(|s| {
-            let since = s.travelled - closure.from.travelled;
-            (-0.3..overlap + 0.5).contains(&since)
-        })
+        .filter(|s| (-0.3..overlap + 0.5).contains(&since(s)))
         .map(|s| s.point)
         .collect();
-    let late = sightings
+    let late: Vec<Point> = sightings
         .iter()
         .filter(range)
-        .filter(|s| s.travelled > closure.to.travelled);
+        .filter(|s| s.travelled > closure.to.travelled)
+        .map(|s| s.point)
+        .collect();
     let lap = closure.length();
     let centre = closure.to.pose.position;
-    let position_weight = 1.0 / (0.01 + POSITION_SD_PER_METRE * lap).powi(2);
+    let position_weight = 1.0 / (0.02 + POSITION_SD_PER_METRE * lap).powi(2);
     let prior = Vector3::new(position_weight, position_weight, 1.0 / HEADING_SD.powi(2));
-    let walls: Vec<(Point, Stretch)> = late
-        .filter_map(|s| stretch_beside(&early, s.point).map(|w| (s.point, w)))
-        .collect();
-    let mut found = Vector3::zeros();
-    for _ in 0..6 {
+    let shift = closure.to.pose.position - closure.from.pose.position;
+    let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
+    // The robot follows the same wall at the same gap, so where it is now is a first guess; its
+    // heading wavers by more than the misclosure of a short lap.
+    let mut found = Vector3::new(shift.x, shift.y, if turn.abs() > 0.2 { turn } else { 0.0 });
+    let mut agreeing = 0;
+    for _ in 0..12 {
         let mut normal = Matrix3::from_diagonal(&prior);
         let mut right = Vector3::zeros();
-        for (point, wall) in &walls {
+        agreeing = 0;
+        for &point in &late {
             let arm = point - centre;
+            let placed = centre + rotate(arm, -found.z) - Vector::new(found.x, found.y);
+            let Some(wall) = stretch_beside(&early, placed) else {
+                continue;
+            };
             let across = perp(wall.along);
-            let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
-            let off = across.dot(&(point - wall.at));
-            let rest = (off - row.dot(&found)) / CONTACT_SD;
+            let row = Vector3::new(across.x, across.y, across.dot(&perp(rotate(arm, -found.z))));
+            let off = across.dot(&(placed - wall.at));
+            agreeing += usize::from(off.abs() < 0.012);
             // Huber's weight: a contact that belongs to another wall must not pull.
-            let weight = (2.0 / rest.abs().max(2.0)) / CONTACT_SD.powi(2);
+            let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
             normal += row * row.transpose() * weight;
-            right += row * (off * weight);
+            right += row * ((off + row.dot(&found)) * weight);
         }
         let Some(solution) = normal.lu().solve(&right) else {
             break;
         };
+        let change = (solution - found).norm();
         found = solution;
+        if change < 1e-5 {
+            break;
+        }
     }
-    Misclosure {
+    let misclosure = Misclosure {
         dx: found.x,
         dy: found.y,
         heading: found.z,
         lap,
+    };
+    Overlap {
+        misclosure,
+        agreement: agreeing as f64 / late.len().max(1) as f64,
     }
 }
 

@@ -7,8 +7,10 @@
 //! about on the spot, and which way round it did so says nothing of the wall. That sense tells
 //! inside from outside.
 
+use super::adjust::measure;
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
+use super::map::Misclosure;
 use super::odometry::Tracker;
 use super::wall::Wall;
 use crate::geometry::{Point, Pose, angle, cross};
@@ -69,7 +71,7 @@ pub enum Leg {
     /// Another motion.
     Go(Ask),
     /// The lap closed, and some of it was driven again for the misclosure.
-    Closed(Closure),
+    Closed(Closure, Misclosure),
     /// It cannot go on.
     Failed(Failure),
 }
@@ -130,7 +132,12 @@ impl Circuit {
         if let Some(closure) = self.closure
             && tracker.travelled() > closure.to.travelled + self.overlap
         {
-            return Leg::Closed(closure);
+            let overlap = measure(&closure, self.wall.log());
+            if overlap.agreement > 0.55 {
+                return Leg::Closed(closure, overlap.misclosure);
+            }
+            // It only looked near: this is another place, and the lap goes on.
+            self.closure = None;
         }
         if self.follower.is_stuck() {
             return Leg::Failed(Failure::Boxed);
@@ -216,8 +223,8 @@ fn crossing(anchor: &Anchor, before: &Anchor, now: &Anchor) -> Option<(Anchor, A
     let lateral = behind.y + (past.y - behind.y) * share;
     let heading = before.heading + angle::wrap(now.heading - before.heading) * share;
     let turned = angle::wrap(heading - anchor.heading);
-    // Never as wide as half of the narrowest lane, or the next lane would do for this one.
-    let near = lateral.abs() < (0.05 + 0.004 * lap).min(0.15);
+    // Wide enough for the drift of a long lap; whether it is the same place the overlap decides.
+    let near = lateral.abs() < (0.05 + 0.004 * lap).min(0.4);
     let whole = turned.abs() < (25.0 + 0.1 * lap).min(40.0).to_radians();
     (near && whole).then(|| {
         let to = Anchor {

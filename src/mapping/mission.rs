@@ -42,6 +42,10 @@ pub struct Mission {
     pub closure: Option<Closure>,
     /// debug
     pub failure: Option<Failure>,
+    /// d
+    pub debug_misclosure: Option<super::map::Misclosure>,
+    /// d
+    pub debug_adjusted: Vec<super::map::Contact>,
 }
 
 impl Mission {
@@ -62,6 +66,8 @@ impl Mission {
             awaiting: None,
             closure: None,
             failure: None,
+            debug_misclosure: None,
+            debug_adjusted: Vec::new(),
         }
     }
 
@@ -213,7 +219,29 @@ impl Mission {
                     self.task = Task::Lapping(circuit);
                     self.order(&ask, out);
                 }
-                Leg::Closed(closure) => {
+                Leg::Closed(closure, misclosure) => {
+                    let adj =
+                        super::adjust::Adjustment::new(self.tracker.path(), &closure, &misclosure);
+                    for s in circuit.wall.log() {
+                        let _ = s;
+                    }
+                    self.debug_misclosure = Some(misclosure);
+                    self.debug_adjusted = circuit
+                        .wall
+                        .log()
+                        .iter()
+                        .filter(|s| {
+                            s.alive
+                                && s.travelled > closure.from.travelled - 0.05
+                                && s.travelled < closure.to.travelled
+                        })
+                        .map(|s| {
+                            let mut c = s.contact();
+                            c.point = adj.place(c.point, s.time_us);
+                            c.from = adj.place(c.from, s.time_us);
+                            c
+                        })
+                        .collect();
                     self.closure = Some(closure);
                     self.wall = circuit.wall;
                     self.tell(

@@ -5,9 +5,12 @@
 
 pub mod geojson;
 pub mod native;
-
+pub mod picture;
+pub mod png;
 pub mod rectangle;
 pub mod report;
+pub mod strokes;
+pub mod svg;
 
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::map::{ContactKind, Phase, RoomMap};

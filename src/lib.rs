@@ -2,6 +2,8 @@
 pub mod cli;
 pub mod export;
 pub mod geometry;
+pub mod journal;
 pub mod mapping;
 pub mod robot;
+pub mod runtime;
 pub mod session;

@@ -1,5 +1,6 @@
 //! Periplus: an operator console for robots that map a room by touch.
 pub mod cli;
+pub mod commands;
 pub mod export;
 pub mod geometry;
 pub mod journal;

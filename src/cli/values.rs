@@ -26,7 +26,7 @@ pub struct Common {
     #[arg(long, value_name = "PROFILE", value_parser = noise())]
     pub noise: Option<Noise>,
     /// Seed of everything random [default: 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's]
     #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]

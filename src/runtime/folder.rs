@@ -55,18 +55,27 @@ impl FolderError {
 }
 
 impl OutputFolder {
+    /// Refuses a folder that holds another run; touches nothing.
+    ///
+    /// # Errors
+    /// When it does.
+    pub fn refuse_taken(path: &Path) -> Result<(), FolderError> {
+        match MARKS.into_iter().find(|mark| path.join(mark).exists()) {
+            Some(mark) => Err(FolderError::Taken {
+                path: path.to_owned(),
+                mark,
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// Makes the folder if need be, and begins the record in it, which also shows that it can be
     /// written.
     ///
     /// # Errors
     /// When it holds another run or cannot be written.
     pub fn create(path: &Path) -> Result<(Self, File), FolderError> {
-        if let Some(mark) = MARKS.into_iter().find(|mark| path.join(mark).exists()) {
-            return Err(FolderError::Taken {
-                path: path.to_owned(),
-                mark,
-            });
-        }
+        Self::refuse_taken(path)?;
         fs::create_dir_all(path).map_err(|error| FolderError::unwritable(path, &error))?;
         let journal = path.join("journal");
         let file = OpenOptions::new()
@@ -136,4 +145,87 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
         let _ = fs::remove_file(&part);
         FolderError::unwritable(path, &error)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::sample;
+
+    /// An empty folder for one test, under the build's own temporary folder.
+    fn place(name: &str) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("periplus-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        path
+    }
+
+    #[test]
+    fn a_folder_takes_one_run_and_no_second() {
+        let path = place("one-run");
+        let (folder, journal) = OutputFolder::create(&path).expect("a new folder");
+        drop(journal);
+        let failures = folder.write_results(&sample::room().record());
+        assert!(failures.is_empty(), "{failures:?}");
+        let mut names: Vec<String> = fs::read_dir(&path)
+            .expect("the folder")
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .collect();
+        names.sort();
+        let expected = [
+            "journal",
+            "map.geojson",
+            "map.json",
+            "map.png",
+            "map.svg",
+            "report.json",
+        ];
+        assert_eq!(names, expected, "all results and nothing half written");
+        let size = fs::metadata(path.join("map.json")).expect("map.json").len();
+        let report = fs::read_to_string(path.join("report.json")).expect("report.json");
+        assert!(
+            report.contains(&format!("\"map_bytes\": {size}")),
+            "the report tells the size"
+        );
+        let again = OutputFolder::create(&path).expect_err("a second run");
+        assert!(
+            again.to_string().contains("holds another run (journal)"),
+            "{again}"
+        );
+        let _ = fs::remove_dir_all(&path);
+    }
+
+    #[test]
+    fn one_result_that_fails_does_not_keep_the_others_from_being_written() {
+        let path = place("one-fails");
+        let (folder, _journal) = OutputFolder::create(&path).expect("a new folder");
+        // A folder in the way of a file is refused by every system and for every user.
+        fs::create_dir_all(path.join("map.svg/in the way")).expect("an obstacle");
+        let failures = folder.write_results(&sample::room().record());
+        assert_eq!(failures.len(), 1, "{failures:?}");
+        assert!(
+            failures[0]
+                .to_string()
+                .contains("map.svg: cannot be written"),
+            "{failures:?}"
+        );
+        for name in ["map.geojson", "map.json", "map.png", "report.json"] {
+            assert!(path.join(name).is_file(), "{name} is missing");
+        }
+        let _ = fs::remove_dir_all(&path);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_says_so() {
+        let file = place("a-file");
+        fs::write(&file, "in the way").expect("a file");
+        let error = OutputFolder::create(&file.join("run")).expect_err("a folder in a file");
+        assert!(error.to_string().contains("cannot be written"), "{error}");
+        let _ = fs::remove_file(&file);
+    }
 }

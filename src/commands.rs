@@ -22,7 +22,7 @@ pub fn dispatch(cli: Cli) -> u8 {
         Some(Command::Console(args)) => console(args),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Replay(args)) => replay(&args),
-        Some(Command::Snapshot(args)) => snapshot(args),
+        Some(Command::Snapshot(args)) => snapshot(&args),
         Some(Command::Export(args)) => export::export(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Robot(_)) => Err(absent(
@@ -65,13 +65,13 @@ fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {
     glue::replay(recording, args.keymap.as_deref())
 }
 
-fn snapshot(args: SnapshotArgs) -> Result<u8, CommandError> {
+fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {
     let (common, _) = args.common.clone().with_config()?;
     let frame = match (&args.replay, args.at) {
         (Some(dir), Some(at)) => {
             glue::snapshot_of_record(crate::journal::read(dir)?, at, args.size, args.format)?
         }
-        _ => glue::snapshot_of_world(&args, &common)?,
+        _ => glue::snapshot_of_world(args, &common)?,
     };
     output::print(&frame)?;
     Ok(0)

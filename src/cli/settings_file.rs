@@ -123,7 +123,7 @@ impl Entry<'_> {
                 let text = words(self.value)?;
                 let value = text
                     .parse::<f64>()
-                    .map_err(|_| format!("`{text}` is not a number"))?;
+                    .map_err(|_error| format!("`{text}` is not a number"))?;
                 if value.is_finite() {
                     Ok(value)
                 } else {

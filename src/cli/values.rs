@@ -250,7 +250,7 @@ pub(super) fn named_phase(text: &str) -> Result<Phase, String> {
 /// A seed.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
     text.parse()
-        .map_err(|_| format!("`{text}` is not a whole number from 0 up"))
+        .map_err(|_error| format!("`{text}` is not a whole number from 0 up"))
 }
 
 #[cfg(test)]

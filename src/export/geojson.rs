@@ -213,7 +213,10 @@ mod tests {
         assert_eq!(ring.first(), ring.last(), "rings are closed");
         for pair in ring.windows(2) {
             let mid = |axis: usize| {
-                (pair[0][axis].as_f64().expect("x") + pair[1][axis].as_f64().expect("x")) / 2.0
+                f64::midpoint(
+                    pair[0][axis].as_f64().expect("x"),
+                    pair[1][axis].as_f64().expect("x"),
+                )
             };
             let off = (Point::new(mid(0), mid(1)) - sample::COLUMN.0).norm();
             let sagitta = sample::COLUMN.1 - off;

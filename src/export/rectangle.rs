@@ -62,7 +62,7 @@ fn box_along(hull: &[Point], ahead: Vector) -> (f64, f64, Point) {
     };
     let (a, b) = range(ahead);
     let (c, d) = range(left);
-    let middle = ahead * ((a + b) / 2.0) + left * ((c + d) / 2.0);
+    let middle = ahead * (f64::midpoint(a, b)) + left * (f64::midpoint(c, d));
     (d - c, b - a, Point::from(middle))
 }
 

@@ -108,13 +108,14 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
         match record(line, records.len() as u64) {
             Ok(record) => records.push(record),
             Err(why) => {
+                let bytes = line.len();
                 torn = Some((
                     Torn {
                         line: number,
-                        bytes: line.len(),
+                        bytes,
                     },
                     why,
-                ))
+                ));
             }
         }
     }
@@ -129,7 +130,7 @@ fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {
     let foreign = || JournalError::Foreign {
         path: path.to_owned(),
     };
-    let text = std::str::from_utf8(line).map_err(|_| foreign())?;
+    let text = std::str::from_utf8(line).map_err(|_error| foreign())?;
     let rest = text.strip_prefix(MAGIC).ok_or_else(foreign)?;
     let version = rest
         .split_whitespace()
@@ -159,9 +160,9 @@ fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {
 fn unseal(line: &[u8]) -> Result<&str, String> {
     let line = line.strip_suffix(b"\n").ok_or("the line does not end")?;
     let split = line.len().checked_sub(9).ok_or("the line is too short")?;
-    let text = |bytes| std::str::from_utf8(bytes).map_err(|_| "the line is not text");
+    let text = |bytes| std::str::from_utf8(bytes).map_err(|_error| "the line is not text");
     let sum = text(&line[split..])?.strip_prefix(' ').unwrap_or_default();
-    let sum = u32::from_str_radix(sum, 16).map_err(|_| "the line has no checksum")?;
+    let sum = u32::from_str_radix(sum, 16).map_err(|_error| "the line has no checksum")?;
     let body = &line[..split];
     if crc32fast::hash(body) == sum {
         Ok(text(body)?)
@@ -182,7 +183,7 @@ fn record(line: &[u8], expected: u64) -> Result<Record, String> {
     }
     let time_us = time
         .parse()
-        .map_err(|_| format!("`{time}` is not a time"))?;
+        .map_err(|_error| format!("`{time}` is not a time"))?;
     let entry = entry(kind, payload).map_err(|error| format!("payload: {error}"))?;
     Ok(Record { time_us, entry })
 }

@@ -33,13 +33,17 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Misclosure {
         })
         .map(|s| s.point)
         .collect();
-    let late = sightings.iter().filter(range).filter(|s| s.travelled > closure.to.travelled);
+    let late = sightings
+        .iter()
+        .filter(range)
+        .filter(|s| s.travelled > closure.to.travelled);
     let lap = closure.length();
     let centre = closure.to.pose.position;
     let position_weight = 1.0 / (0.01 + POSITION_SD_PER_METRE * lap).powi(2);
     let prior = Vector3::new(position_weight, position_weight, 1.0 / HEADING_SD.powi(2));
-    let walls: Vec<(Point, Stretch)> =
-        late.filter_map(|s| stretch_beside(&early, s.point).map(|w| (s.point, w))).collect();
+    let walls: Vec<(Point, Stretch)> = late
+        .filter_map(|s| stretch_beside(&early, s.point).map(|w| (s.point, w)))
+        .collect();
     let mut found = Vector3::zeros();
     for _ in 0..6 {
         let mut normal = Matrix3::from_diagonal(&prior);
@@ -55,20 +59,33 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Misclosure {
             normal += row * row.transpose() * weight;
             right += row * (off * weight);
         }
-        let Some(solution) = normal.lu().solve(&right) else { break };
+        let Some(solution) = normal.lu().solve(&right) else {
+            break;
+        };
         found = solution;
     }
-    Misclosure { dx: found.x, dy: found.y, heading: found.z, lap }
+    Misclosure {
+        dx: found.x,
+        dy: found.y,
+        heading: found.z,
+        lap,
+    }
 }
 
 fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
-    let near: Vec<Point> = walls.iter().copied().filter(|p| (p - point).norm() < 0.11).collect();
+    let near: Vec<Point> = walls
+        .iter()
+        .copied()
+        .filter(|p| (p - point).norm() < 0.11)
+        .collect();
     if near.len() < 3 {
         return None;
     }
     let stretch = Stretch::through(&near)?;
-    let spread =
-        near.iter().map(|p| stretch.along.dot(&(p - stretch.at)).abs()).fold(0.0, f64::max);
+    let spread = near
+        .iter()
+        .map(|p| stretch.along.dot(&(p - stretch.at)).abs())
+        .fold(0.0, f64::max);
     (stretch.residual < 0.004 && spread > 0.03).then_some(stretch)
 }
 
@@ -86,16 +103,15 @@ impl Adjustment {
     pub fn new(path: &[PathPoint], closure: &Closure, misclosure: &Misclosure) -> Self {
         let (begin, end) = (closure.from.time_us, closure.to.time_us);
         let seconds = (end.saturating_sub(begin)).max(1) as f64;
-        let share = |time_us: u64| {
-            (time_us.saturating_sub(begin) as f64 / seconds).clamp(0.0, 1.0)
-        };
+        let share = |time_us: u64| (time_us.saturating_sub(begin) as f64 / seconds).clamp(0.0, 1.0);
         let turn = |time_us: u64| -misclosure.heading * share(time_us);
         let mut turned: Vec<PathPoint> = Vec::with_capacity(path.len());
         let mut lengths: Vec<f64> = Vec::with_capacity(path.len());
         for (k, point) in path.iter().enumerate() {
             let mut pose = point.pose;
             let mut length = 0.0;
-            if let (Some(before), Some(placed)) = (k.checked_sub(1).map(|j| path[j]), turned.last()) {
+            if let (Some(before), Some(placed)) = (k.checked_sub(1).map(|j| path[j]), turned.last())
+            {
                 let leg = point.pose.position - before.pose.position;
                 let by = turn(before.time_us).midpoint(turn(point.time_us));
                 pose.position = placed.pose.position + rotate(leg, by);
@@ -108,7 +124,10 @@ impl Adjustment {
             turned.push(PathPoint { pose, ..*point });
         }
         let total = lengths.last().copied().unwrap_or(0.0).max(1e-9);
-        let mut half = Self { raw: path.to_vec(), adjusted: turned };
+        let mut half = Self {
+            raw: path.to_vec(),
+            adjusted: turned,
+        };
         let measured = closure.to.pose.position - Vector::new(misclosure.dx, misclosure.dy);
         let rest = measured - half.place(closure.to.pose.position, end);
         for (point, length) in half.adjusted.iter_mut().zip(&lengths) {
@@ -134,7 +153,9 @@ impl Adjustment {
     /// Where a pose goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
-        let turn = self.pair(time_us).map_or(0.0, |(raw, adjusted)| adjusted.heading - raw.heading);
+        let turn = self
+            .pair(time_us)
+            .map_or(0.0, |(raw, adjusted)| adjusted.heading - raw.heading);
         Pose {
             position: self.place(pose.position, time_us),
             heading: angle::wrap(pose.heading + turn),

@@ -5,9 +5,9 @@
 //! cumulatively. Spirals and combs pass near the beginning too, but not with one whole turn. The
 //! sign of that turn tells inside from outside.
 
+use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
 use super::odometry::Tracker;
-use super::event::Failure;
 use super::wall::Wall;
 use crate::geometry::{Pose, angle};
 use crate::robot::Chassis;
@@ -132,7 +132,9 @@ impl Circuit {
             return Leg::Failed(Failure::Boxed);
         }
         if self.previous.is_some_and(|now| {
-            self.anchors.first().is_some_and(|a| now.travelled - a.travelled > LONGEST_LAP)
+            self.anchors
+                .first()
+                .is_some_and(|a| now.travelled - a.travelled > LONGEST_LAP)
         }) {
             return Leg::Failed(Failure::LapEndless);
         }
@@ -149,8 +151,10 @@ impl Circuit {
 
     fn before_step(&mut self, tracker: &Tracker) {
         let here = Anchor::here(tracker);
-        let young =
-            self.anchors.first().is_none_or(|a| here.travelled - a.travelled < BEGINNING);
+        let young = self
+            .anchors
+            .first()
+            .is_none_or(|a| here.travelled - a.travelled < BEGINNING);
         if young && self.closure.is_none() {
             self.anchors.push(here);
         }
@@ -164,7 +168,10 @@ impl Circuit {
         let Some(before) = self.previous else { return };
         let now = Anchor::here(tracker);
         let side = self.follower.side();
-        let crossed = self.anchors.iter().find_map(|anchor| crossing(anchor, &before, &now));
+        let crossed = self
+            .anchors
+            .iter()
+            .find_map(|anchor| crossing(anchor, &before, &now));
         self.closure = crossed.map(|(from, to)| Closure { from, to, side });
     }
 }
@@ -190,8 +197,7 @@ fn crossing(anchor: &Anchor, before: &Anchor, now: &Anchor) -> Option<(Anchor, A
     (near && whole).then(|| {
         let to = Anchor {
             pose: Pose {
-                position: before.pose.position
-                    + (now.pose.position - before.pose.position) * share,
+                position: before.pose.position + (now.pose.position - before.pose.position) * share,
                 heading: angle::wrap(heading),
             },
             heading,

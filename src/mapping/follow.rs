@@ -80,7 +80,8 @@ struct Roles {
 
 impl Roles {
     fn new(chassis: &Chassis, side: Side) -> Self {
-        let towards = |degrees: f64| chassis.sensor_towards(side.sign() * degrees.to_radians(), 0.3);
+        let towards =
+            |degrees: f64| chassis.sensor_towards(side.sign() * degrees.to_radians(), 0.3);
         Self {
             front: towards(0.0),
             ahead: towards(45.0),
@@ -151,7 +152,11 @@ impl Follower {
             frontier: None,
             stuck: 0,
             last_position: None,
-            rolling: Rolling { side, radius: chassis.radius + gap, least: chassis.radius + 0.012 },
+            rolling: Rolling {
+                side,
+                radius: chassis.radius + gap,
+                least: chassis.radius + 0.012,
+            },
         }
     }
 
@@ -194,7 +199,9 @@ impl Follower {
     }
 
     fn count_progress(&mut self, position: Point) {
-        let moved = self.last_position.is_none_or(|last| (last - position).norm() > 0.02);
+        let moved = self
+            .last_position
+            .is_none_or(|last| (last - position).norm() > 0.02);
         if moved {
             self.stuck = 0;
             self.last_position = Some(position);
@@ -205,7 +212,10 @@ impl Follower {
 
     fn after_step(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         let closed_by = match rest.reason {
-            DoneReason::Guard { sensor, rising: true } => Some(sensor),
+            DoneReason::Guard {
+                sensor,
+                rising: true,
+            } => Some(sensor),
             _ => None,
         };
         if let Some(sensor) = closed_by {
@@ -234,28 +244,53 @@ impl Follower {
     fn turn(&mut self, towards_wall: f64, guard: Guard, doing: Doing, why: &'static str) -> Ask {
         self.doing = doing;
         Ask {
-            motion: Motion::Turn { angle: towards_wall * self.side.sign(), rate: f64::INFINITY },
+            motion: Motion::Turn {
+                angle: towards_wall * self.side.sign(),
+                rate: f64::INFINITY,
+            },
             guard,
             why,
         }
     }
 
     fn clear(&mut self, sensor: usize) -> Ask {
-        let guard = Guard { fall: SwitchSet::only(sensor), ..Guard::default() };
-        self.turn(-1.2, guard, Doing::Clearing, "something ahead: turning until it is clear")
+        let guard = Guard {
+            fall: SwitchSet::only(sensor),
+            ..Guard::default()
+        };
+        self.turn(
+            -1.2,
+            guard,
+            Doing::Clearing,
+            "something ahead: turning until it is clear",
+        )
     }
 
     fn look(&mut self) -> Ask {
-        let guard = Guard { rise: Roles::set(&[self.roles.ahead]), ..Guard::default() };
-        self.turn(0.96, guard, Doing::Looking, "looking where the wall goes on")
+        let guard = Guard {
+            rise: Roles::set(&[self.roles.ahead]),
+            ..Guard::default()
+        };
+        self.turn(
+            0.96,
+            guard,
+            Doing::Looking,
+            "looking where the wall goes on",
+        )
     }
 
     fn back_off(&mut self) -> Ask {
         self.doing = Doing::BackingOff;
         self.stride = SHORTEST_STRIDE;
         Ask {
-            motion: Motion::Move { distance: -0.03, speed: f64::INFINITY },
-            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
+            motion: Motion::Move {
+                distance: -0.03,
+                speed: f64::INFINITY,
+            },
+            guard: Guard {
+                rise: Roles::set(&[self.roles.back]),
+                ..Guard::default()
+            },
             why: "touched something: backing off",
         }
     }
@@ -268,9 +303,17 @@ impl Follower {
             return;
         }
         self.ended = false;
-        let surprise = wall.near().next_back().zip(self.frontier).map(|(seen, frontier)| {
-            if frontier.certain { frontier.stretch.distance(seen.point) } else { 1.0 }
-        });
+        let surprise = wall
+            .near()
+            .next_back()
+            .zip(self.frontier)
+            .map(|(seen, frontier)| {
+                if frontier.certain {
+                    frontier.stretch.distance(seen.point)
+                } else {
+                    1.0
+                }
+            });
         self.stride = match surprise {
             Some(off) if off < 0.004 => (self.stride * 1.5).min(LONGEST_STRIDE),
             _ => SHORTEST_STRIDE,
@@ -278,9 +321,15 @@ impl Follower {
     }
 
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
-        let step = if self.ended { ROUND_CORNER } else { self.stride };
+        let step = if self.ended {
+            ROUND_CORNER
+        } else {
+            self.stride
+        };
         let contacts: Vec<Point> = wall.near().map(|seen| seen.point).collect();
-        let found = self.rolling.direction(&contacts, rest.pose, step, self.ended)?;
+        let found = self
+            .rolling
+            .direction(&contacts, rest.pose, step, self.ended)?;
         self.frontier = found.frontier;
         let turn = angle::wrap(found.heading - rest.pose.heading);
         if turn.abs() < 0.015 {
@@ -288,22 +337,40 @@ impl Follower {
         }
         self.doing = Doing::Facing(step);
         Some(Ask {
-            motion: Motion::Turn { angle: turn, rate: f64::INFINITY },
+            motion: Motion::Turn {
+                angle: turn,
+                rate: f64::INFINITY,
+            },
             guard: Guard::default(),
-            why: if self.ended { "rolling round a corner" } else { "facing along the wall" },
+            why: if self.ended {
+                "rolling round a corner"
+            } else {
+                "facing along the wall"
+            },
         })
     }
 
     fn step(&mut self, length: f64) -> Ask {
         self.doing = Doing::Stepping;
-        let fall = if self.ended { SwitchSet::EMPTY } else { Roles::set(&[self.roles.wall]) };
+        let fall = if self.ended {
+            SwitchSet::EMPTY
+        } else {
+            Roles::set(&[self.roles.wall])
+        };
         Ask {
-            motion: Motion::Move { distance: length, speed: f64::INFINITY },
+            motion: Motion::Move {
+                distance: length,
+                speed: f64::INFINITY,
+            },
             guard: Guard {
                 rise: Roles::set(&[self.roles.front, self.roles.ahead, self.roles.off]),
                 fall,
             },
-            why: if self.ended { "a step round the corner" } else { "a step along the wall" },
+            why: if self.ended {
+                "a step round the corner"
+            } else {
+                "a step along the wall"
+            },
         }
     }
 

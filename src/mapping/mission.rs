@@ -8,9 +8,7 @@ use super::odometry::Tracker;
 use super::settings::Settings;
 use super::wall::Wall;
 use crate::geometry::angle;
-use crate::robot::{
-    Command, CommandId, DoneReason, Guard, Motion, Odometer, SwitchSet, Telemetry,
-};
+use crate::robot::{Command, CommandId, DoneReason, Guard, Motion, Odometer, SwitchSet, Telemetry};
 
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,14 +86,20 @@ impl Mission {
 
     /// start
     pub fn begin(&mut self, out: &mut Vec<Output>) {
-        let rest = AtRest { pose: self.tracker.pose(), closed: self.closed, reason: DoneReason::Complete };
+        let rest = AtRest {
+            pose: self.tracker.pose(),
+            closed: self.closed,
+            reason: DoneReason::Complete,
+        };
         self.decide(rest, out);
     }
 
     /// step
     pub fn step(&mut self, input: &Telemetry, out: &mut Vec<Output>) {
         match input {
-            Telemetry::Report { odometer, switches, .. } => {
+            Telemetry::Report {
+                odometer, switches, ..
+            } => {
                 self.follow_odometer(odometer, self.closed);
                 self.closed = *switches;
             }
@@ -106,7 +110,13 @@ impl Mission {
                 self.wall_mut().observe(edge, pose, turning, travelled);
                 self.closed = self.closed.with(edge.sensor, edge.rising);
             }
-            Telemetry::Done { id, reason, odometer, switches, .. } => {
+            Telemetry::Done {
+                id,
+                reason,
+                odometer,
+                switches,
+                ..
+            } => {
                 let pose = self.follow_odometer(odometer, self.closed);
                 self.closed = *switches;
                 if self.awaiting.is_none_or(|(expected, _)| expected != *id) {
@@ -118,7 +128,11 @@ impl Mission {
                     self.wall_mut().touch(pose, 0.0, t, us);
                     self.tell(EventKind::Bumped, out);
                 }
-                let rest = AtRest { pose, closed: self.closed, reason: *reason };
+                let rest = AtRest {
+                    pose,
+                    closed: self.closed,
+                    reason: *reason,
+                };
                 self.decide(rest, out);
             }
         }
@@ -132,7 +146,10 @@ impl Mission {
     }
 
     fn tell(&mut self, kind: EventKind, out: &mut Vec<Output>) {
-        out.push(Output::Event(Event { time_us: self.tracker.time_us(), kind }));
+        out.push(Output::Event(Event {
+            time_us: self.tracker.time_us(),
+            kind,
+        }));
     }
 
     fn order(&mut self, ask: &Ask, out: &mut Vec<Output>) {
@@ -163,8 +180,14 @@ impl Mission {
         match std::mem::replace(&mut self.task, Task::Over) {
             Task::Begin => {
                 let ask = Ask {
-                    motion: Motion::Move { distance: 100.0, speed: f64::INFINITY },
-                    guard: Guard { rise: SwitchSet(0xff), fall: SwitchSet::EMPTY },
+                    motion: Motion::Move {
+                        distance: 100.0,
+                        speed: f64::INFINITY,
+                    },
+                    guard: Guard {
+                        rise: SwitchSet(0xff),
+                        fall: SwitchSet::EMPTY,
+                    },
                     why: "driving until something is met",
                 };
                 self.task = Task::Seeking { tried: 0 };

@@ -5,7 +5,7 @@ use crate::mapping::map::{Part, PartClass, Shape};
 
 /// One line each for the place, the plan and the run.
 pub(super) fn lines(record: &RunRecord<'_>) -> Vec<String> {
-    [place(record), plan(record), run(record)]
+    [place(record), plan(record), Some(run(record))]
         .into_iter()
         .flatten()
         .collect()
@@ -36,7 +36,7 @@ fn shape(shape: &Shape) -> String {
     );
     if shape.parts.len() > 1 {
         let parts: Vec<String> = shape.parts.iter().map(part).collect();
-        words.push_str(&format!(" ({})", parts.join(" + ")));
+        words = format!("{words} ({})", parts.join(" + "));
     }
     words
 }
@@ -66,12 +66,12 @@ fn plan(record: &RunRecord<'_>) -> Option<String> {
         plan.figures.hidden_disc * 1e3
     );
     if let Some(driven) = record.map.hidden_disc {
-        words.push_str(&format!(" (as driven {:.0} mm)", driven * 1e3));
+        words = format!("{words} (as driven {:.0} mm)", driven * 1e3);
     }
     Some(words)
 }
 
-fn run(record: &RunRecord<'_>) -> Option<String> {
+fn run(record: &RunRecord<'_>) -> String {
     let outcome = match record.outcome {
         Outcome::Complete => "complete",
         Outcome::Stopped => "stopped",
@@ -98,5 +98,5 @@ fn run(record: &RunRecord<'_>) -> Option<String> {
             record.noise, record.settings.seed
         ));
     }
-    Some(words.join(" · "))
+    words.join(" · ")
 }

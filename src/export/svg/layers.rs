@@ -63,14 +63,15 @@ pub(super) fn pen(line: &PlanLine, options: &Options) -> Option<Pen> {
     if options.vertex.is_some_and(|vertex| vertex != line.vertex) {
         return None;
     }
+    // What a shorter plan does without would cover everything else.
+    if line.reason == Some(LineReason::Redundant) && line.status != LineStatus::Planned {
+        return None;
+    }
     match line.status {
         LineStatus::Planned | LineStatus::Driving => Some(PLANNED),
         LineStatus::Driven => Some(DRIVEN),
         LineStatus::Blocked => Some(BLOCKED),
-        // What a shorter plan does without would cover everything else.
-        LineStatus::Skipped if line.reason == Some(LineReason::Redundant) => None,
         LineStatus::Skipped => Some(SKIPPED),
-        LineStatus::Rejected if line.reason == Some(LineReason::Redundant) => None,
         LineStatus::Rejected => options.rejected.then_some(REJECTED),
     }
 }
@@ -124,7 +125,7 @@ fn cuts(record: &RunRecord<'_>, frame: &Frame) -> String {
 
 fn plan(record: &RunRecord<'_>, options: &Options, frame: &Frame) -> String {
     let lines = record.map.plan.iter().flat_map(|plan| &plan.lines);
-    let mut drawn = vec![
+    let mut drawn = [
         (REJECTED, String::new()),
         (SKIPPED, String::new()),
         (PLANNED, String::new()),

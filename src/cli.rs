@@ -15,7 +15,7 @@ pub use error::ArgumentError;
 use crate::mapping::map::Phase;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-pub use values::{Common, FrameSize, Noise};
+pub use values::{Common, FrameSize};
 
 /// Maps a room by touch, with a simulated or a real robot. Without a command it opens the console
 /// on a built-in world.

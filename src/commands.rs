@@ -8,6 +8,7 @@ pub mod export;
 pub mod glue;
 pub mod output;
 pub mod run;
+pub mod world;
 
 pub use error::CommandError;
 

@@ -11,6 +11,7 @@ pub mod rectangle;
 pub mod report;
 pub mod strokes;
 pub mod svg;
+pub mod truth;
 
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::map::{ContactKind, Phase, RoomMap};

@@ -2,9 +2,12 @@
 pub mod cli;
 pub mod commands;
 pub mod export;
+pub mod firmware;
 pub mod geometry;
 pub mod journal;
+pub mod link;
 pub mod mapping;
 pub mod robot;
 pub mod runtime;
 pub mod session;
+pub mod simulator;

@@ -255,3 +255,97 @@ fn a_reader_that_goes_away_is_no_panic() {
     );
     assert!(told.is_empty(), "a closed pipe is nobody's fault: {told}");
 }
+
+const ROOM: &str = "name = \"room\"\nstart = { x = 0.6, y = 0.6, heading = 0 }\n[boundary]\n\
+                    vertices = [[0, 0], [4, 0], [4, 3], [0, 3]]\n";
+
+#[test]
+fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
+    let dir = place("fit");
+    let (world, out) = (dir.join("room.toml"), dir.join("out"));
+    fs::write(&world, ROOM).expect("a world");
+    let (world, to) = (
+        world.to_str().expect("a path"),
+        out.to_str().expect("a path"),
+    );
+    let cases: &[(&[&str], &[&str])] = &[
+        (
+            &["--alpha", "4.5"],
+            &["α of 4.5 m is larger than the room", "4.00 x 3.00"],
+        ),
+        (&["--start", "9,9,0"], &["--start", "outside the room"]),
+        (&["--start", "0.01,1,0"], &["--start"]),
+        (
+            &["--chassis", "/nowhere/robot.toml"],
+            &["/nowhere/robot.toml"],
+        ),
+    ];
+    for (more, words) in cases {
+        let arguments = [&["run", "--world", world, "--out", to], *more].concat();
+        refused(&arguments, words);
+    }
+    assert!(!out.exists(), "a refused run has made its folder");
+}
+
+#[test]
+fn a_chassis_is_read_strictly() {
+    let dir = place("chassis");
+    let (world, file) = (dir.join("room.toml"), dir.join("robot.toml"));
+    fs::write(&world, ROOM).expect("a world");
+    let (world, shown) = (
+        world.to_str().expect("a path"),
+        file.to_str().expect("a path"),
+    );
+    let cases: &[(&str, &[&str])] = &[
+        (
+            "radius = 0.1\nrang = 0.05\n",
+            &["robot.toml:2:", "`rang`", "did you mean `range`"],
+        ),
+        ("radius = -1\n", &["robot.toml:1:", "`radius`", "between"]),
+        ("radius = nan\n", &["robot.toml:1:", "not a finite number"]),
+        ("sensors = 3\n", &["robot.toml:1:", "from 4 to 16"]),
+        (
+            "[[sensors]]\nname = \"front\"\nangel = 0\n",
+            &["robot.toml:3:", "`angel`", "`angle`"],
+        ),
+        (
+            "speed = \"fast\"\n",
+            &["robot.toml:1:", "`speed`", "a string"],
+        ),
+    ];
+    for (text, words) in cases {
+        fs::write(&file, text).expect("a chassis");
+        let out = dir.join("out");
+        let to = out.to_str().expect("a path");
+        refused(
+            &["run", "--world", world, "--out", to, "--chassis", shown],
+            words,
+        );
+    }
+}
+
+#[test]
+fn check_says_ok_or_what_is_wrong_and_where() {
+    let dir = place("worlds");
+    let (good, bad) = (dir.join("good.toml"), dir.join("bad.toml"));
+    fs::write(&good, ROOM).expect("a world");
+    fs::write(&bad, ROOM.replace("vertices", "vertexes")).expect("a world");
+    let (good, bad) = (
+        good.to_str().expect("a path"),
+        bad.to_str().expect("a path"),
+    );
+    let output = periplus(&["check", good]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(
+        (output.status.code(), told.contains("ok")),
+        (Some(0), true),
+        "{told}"
+    );
+    let output = periplus(&["check", good, bad]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(2), "one bad file: {told}");
+    assert!(
+        told.contains("vertexes") && told.contains("vertices"),
+        "{told}"
+    );
+}

@@ -4,9 +4,10 @@ use super::{ArgumentError, chassis, config};
 use crate::geometry::{Pose, angle};
 use crate::mapping::map::Phase;
 use crate::mapping::settings::{Contour, Settings, Strategy};
+use crate::robot::Chassis;
+use crate::simulator::NoiseProfile;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use std::fmt;
 use std::path::PathBuf;
 
 /// What every run can be told. A value that is not given may still come from `--config`.
@@ -24,7 +25,7 @@ pub struct Common {
     pub contour: Option<Contour>,
     /// Noise of the simulated sensors [default: calibrated]
     #[arg(long, value_name = "PROFILE", value_parser = noise())]
-    pub noise: Option<Noise>,
+    pub noise: Option<NoiseProfile>,
     /// Seed of everything random [default: 1]
     #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -46,36 +47,6 @@ pub struct Common {
     /// Folder of an interrupted run to go on with
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
-}
-
-/// Noise profiles of the simulator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Noise {
-    /// Perfect sensors and wheels.
-    None,
-    /// A robot that was calibrated with care.
-    #[default]
-    Calibrated,
-    /// One as it comes from the shop.
-    Raw,
-    /// One that should be repaired.
-    Harsh,
-}
-
-impl Noise {
-    const NAMES: [(&'static str, Self); 4] = [
-        ("none", Self::None),
-        ("calibrated", Self::Calibrated),
-        ("raw", Self::Raw),
-        ("harsh", Self::Harsh),
-    ];
-}
-
-impl fmt::Display for Noise {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = Self::NAMES.iter().find(|(_, noise)| noise == self);
-        f.write_str(name.map_or("", |(name, _)| name))
-    }
 }
 
 /// Size of a frame, in cells.
@@ -113,20 +84,25 @@ impl Common {
         Ok((self, places))
     }
 
-    /// The settings of a run that starts at `world_start` unless `--start` says otherwise.
+    /// The robot's body: from `--chassis`, or the default.
     ///
     /// # Errors
     /// When the chassis file cannot be read or is wrong.
-    pub fn settings(&self, world_start: Pose) -> Result<Settings, ArgumentError> {
-        let mut settings = Settings::new(self.start.unwrap_or(world_start));
+    pub fn body(&self) -> Result<Chassis, ArgumentError> {
+        self.chassis
+            .as_deref()
+            .map_or_else(|| Ok(Chassis::default()), chassis::read)
+    }
+
+    /// The settings of a run of the robot `body` from `start`.
+    pub fn settings(&self, start: Pose, body: Chassis) -> Settings {
+        let mut settings = Settings::new(start);
         settings.alpha = self.alpha.unwrap_or(settings.alpha);
         settings.strategy = self.plan.unwrap_or(settings.strategy);
         settings.contour = self.contour.unwrap_or(settings.contour);
         settings.seed = self.seed.unwrap_or(settings.seed);
-        if let Some(path) = &self.chassis {
-            settings.chassis = chassis::read(path)?;
-        }
-        Ok(settings)
+        settings.chassis = body;
+        settings
     }
 }
 
@@ -188,6 +164,12 @@ const CONTOURS: [(&str, Contour); 2] = [
     ("two-pass", Contour::TwoPass),
     ("full-loop", Contour::FullLoop),
 ];
+const NOISES: [(&str, NoiseProfile); 4] = [
+    ("none", NoiseProfile::None),
+    ("calibrated", NoiseProfile::Calibrated),
+    ("raw", NoiseProfile::Raw),
+    ("harsh", NoiseProfile::Harsh),
+];
 const PHASES: [(&str, Phase); 4] = [
     ("boundary", Phase::Boundary),
     ("shape", Phase::Shape),
@@ -219,8 +201,8 @@ pub(super) fn contour() -> impl TypedValueParser<Value = Contour> {
     one_of(&CONTOURS)
 }
 
-pub(super) fn noise() -> impl TypedValueParser<Value = Noise> {
-    one_of(&Noise::NAMES)
+pub(super) fn noise() -> impl TypedValueParser<Value = NoiseProfile> {
+    one_of(&NOISES)
 }
 
 pub(super) fn phase() -> impl TypedValueParser<Value = Phase> {
@@ -238,8 +220,8 @@ pub(super) fn named_contour(text: &str) -> Result<Contour, String> {
 }
 
 /// As [`named_strategy`].
-pub(super) fn named_noise(text: &str) -> Result<Noise, String> {
-    named(&Noise::NAMES, text)
+pub(super) fn named_noise(text: &str) -> Result<NoiseProfile, String> {
+    named(&NOISES, text)
 }
 
 /// As [`named_strategy`].

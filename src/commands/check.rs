@@ -3,6 +3,8 @@
 use super::{CommandError, glue, output};
 use crate::cli::CheckArgs;
 use crate::cli::settings_file::SettingsFile;
+use crate::robot::Chassis;
+use crate::simulator::World;
 use std::path::Path;
 
 /// Checks all files.
@@ -31,12 +33,9 @@ fn verdict(path: &Path) -> Result<&'static str, String> {
         .and_then(|extension| extension.to_str())
         .unwrap_or_default();
     match extension {
-        "geojson" | "json" => world(path),
+        // The reader of worlds says best why it reads no ROS maps.
+        "geojson" | "json" | "yaml" | "yml" => world(path),
         "toml" => toml(path),
-        "yaml" | "yml" => Err(format!(
-            "{}: this version reads no ROS maps; worlds are TOML or GeoJSON",
-            path.display()
-        )),
         _ => Err(format!(
             "{}: expected a world (.toml, .geojson) or a keymap (.toml)",
             path.display()
@@ -62,5 +61,8 @@ fn toml(path: &Path) -> Result<&'static str, String> {
 }
 
 fn world(path: &Path) -> Result<&'static str, String> {
-    glue::world(path).map(|_| "world")
+    let radius = Chassis::default().radius;
+    World::load(path, radius)
+        .map(|_| "world")
+        .map_err(|error| error.to_string())
 }

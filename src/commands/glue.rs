@@ -2,60 +2,12 @@
 //! whole of that meeting; everything else in [`super`] is written against them.
 
 use super::CommandError;
-use crate::cli::{ArgumentError, Common, FrameFormat, FrameSize, Noise, SnapshotArgs};
-use crate::geometry::Pose;
+use crate::cli::{ArgumentError, Common, FrameFormat, FrameSize, SnapshotArgs};
 use crate::journal::{Header, Journal, Recording};
-use crate::robot::Chassis;
 use crate::runtime::Runner;
+use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
 use std::path::Path;
-
-/// A world that was read and found good.
-#[derive(Debug)]
-pub struct World {
-    name: String,
-    start: Pose,
-    extent: (f64, f64),
-}
-
-impl World {
-    /// What it is called.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Where the robot stands at the beginning.
-    #[must_use]
-    pub fn start(&self) -> Pose {
-        self.start
-    }
-
-    /// Extent of the room in x and y, metres.
-    #[must_use]
-    pub fn extent(&self) -> (f64, f64) {
-        self.extent
-    }
-
-    /// Whether the body of `chassis` fits at `start`.
-    ///
-    /// # Errors
-    /// Says what is in its way.
-    pub fn can_start_at(&self, _start: Pose, _chassis: &Chassis) -> Result<(), String> {
-        Ok(())
-    }
-}
-
-/// Reads a world.
-///
-/// # Errors
-/// Says what is wrong, with file, line and key.
-pub fn world(path: &Path) -> Result<World, String> {
-    Err(format!(
-        "{}: this version has no simulator to read worlds for",
-        path.display()
-    ))
-}
 
 /// Checks a keymap.
 ///
@@ -73,9 +25,9 @@ pub fn check_keymap(path: &Path) -> Result<(), String> {
 /// # Errors
 /// When the simulator refuses the world.
 pub fn simulated(
-    _world: World,
-    _header: Header,
-    _noise: Noise,
+    _world: &World,
+    _header: &Header,
+    _noise: NoiseProfile,
     _journal: Journal<File>,
 ) -> Result<Box<dyn Runner>, CommandError> {
     Err(absent("`periplus run`"))

@@ -1,6 +1,6 @@
 //! `periplus run`: a whole run without a terminal.
 
-use super::{CommandError, glue, output};
+use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, RunArgs};
 use crate::journal::{Header, Journal};
 use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
@@ -21,26 +21,21 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     let out = common.out.clone().ok_or_else(|| missing("--out DIR"))?;
     OutputFolder::refuse_taken(&out)?;
 
-    let world = glue::world(&world).map_err(CommandError::Input)?;
-    let settings = common.settings(world.start())?;
-    alpha_fits(settings.alpha, world.extent())?;
+    let world = world::load(&world, &common)?;
     let noise = common.noise.unwrap_or_default();
     let header = Header {
-        settings,
-        source: world.name().to_owned(),
+        settings: common.settings(world.start, common.body()?),
+        source: world.name.clone(),
         noise: noise.to_string(),
         until,
     };
-    world
-        .can_start_at(header.settings.start, &header.settings.chassis)
-        .map_err(CommandError::Input)?;
 
     let (folder, file) = OutputFolder::create(&out)?;
     let journal = Journal::begin(file, &header).map_err(|source| CommandError::System {
         what: "the record of the run",
         source,
     })?;
-    let mut runner = glue::simulated(world, header, noise, journal)?;
+    let mut runner = glue::simulated(&world, &header, noise, journal)?;
     let signals = Signals::listen().map_err(|source| CommandError::System {
         what: "listening for signals",
         source,
@@ -85,34 +80,5 @@ fn missing(flag: &'static str) -> ArgumentError {
     ArgumentError::Missing {
         command: "run",
         flag,
-    }
-}
-
-/// Refuses an α that no line of any plan in this room could be spaced by.
-fn alpha_fits(alpha: f64, (width, height): (f64, f64)) -> Result<(), ArgumentError> {
-    let limit = width.max(height);
-    if alpha > limit {
-        return Err(ArgumentError::AlphaTooLarge {
-            alpha,
-            width,
-            height,
-            limit,
-        });
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn alpha_must_fit_the_room() {
-        assert!(alpha_fits(0.25, (5.0, 4.0)).is_ok());
-        let error = alpha_fits(6.0, (5.0, 4.0)).expect_err("six metres in five");
-        assert_eq!(
-            error.to_string(),
-            "α of 6 m is larger than the room (5.00 x 4.00 m): give --alpha a length below 5.00"
-        );
     }
 }

@@ -1,4 +1,5 @@
 //! The mapping core.
 pub mod event;
+pub mod floor;
 pub mod map;
 pub mod settings;

@@ -5,6 +5,7 @@ pub mod circuit;
 pub mod event;
 pub mod fix;
 pub mod follow;
+pub mod floor;
 pub mod map;
 pub mod mission;
 pub mod odometry;

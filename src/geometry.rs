@@ -7,8 +7,11 @@
 //! bits on every machine. Nothing here knows what a robot is.
 
 pub mod angle;
+pub mod fit;
+pub mod hull;
 pub mod pose;
 pub mod ring;
+pub mod simple;
 
 pub use pose::Pose;
 pub use ring::{Piece, Ring};

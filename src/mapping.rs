@@ -2,3 +2,4 @@
 pub mod event;
 pub mod map;
 pub mod settings;
+pub mod shape;

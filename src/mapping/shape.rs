@@ -10,6 +10,8 @@ mod segment;
 mod split;
 #[cfg(test)]
 mod testing;
+#[cfg(test)]
+mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use object::object_outline;

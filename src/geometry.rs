@@ -8,10 +8,13 @@
 
 pub mod angle;
 pub mod index;
+pub mod fit;
+pub mod hull;
 pub mod pose;
 pub mod raster;
 pub mod ring;
 pub mod segment;
+pub mod simple;
 
 pub use pose::Pose;
 pub use ring::{Piece, Ring};

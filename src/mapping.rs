@@ -11,3 +11,4 @@ pub mod mission;
 pub mod odometry;
 pub mod settings;
 pub mod wall;
+pub mod shape;

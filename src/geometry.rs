@@ -7,9 +7,9 @@
 //! bits on every machine. Nothing here knows what a robot is.
 
 pub mod angle;
-pub mod index;
 pub mod fit;
 pub mod hull;
+pub mod index;
 pub mod pose;
 pub mod raster;
 pub mod ring;

@@ -9,5 +9,6 @@ pub mod link;
 pub mod mapping;
 pub mod robot;
 pub mod runtime;
+pub mod safety;
 pub mod session;
 pub mod simulator;

@@ -5,6 +5,7 @@ pub mod clock;
 pub mod folder;
 pub mod progress;
 pub mod signals;
+pub mod simulated;
 
 pub use clock::Stopwatch;
 pub use folder::{FolderError, OutputFolder};

@@ -5,6 +5,7 @@ use super::CommandError;
 use crate::cli::{ArgumentError, Common, FrameFormat, FrameSize, SnapshotArgs};
 use crate::journal::{Header, Journal, Recording};
 use crate::runtime::Runner;
+use crate::runtime::simulated::{Headless, SimulatedRun};
 use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
 use std::path::Path;
@@ -25,12 +26,13 @@ pub fn check_keymap(path: &Path) -> Result<(), String> {
 /// # Errors
 /// When the simulator refuses the world.
 pub fn simulated(
-    _world: &World,
-    _header: &Header,
-    _noise: NoiseProfile,
-    _journal: Journal<File>,
+    world: &World,
+    header: &Header,
+    noise: NoiseProfile,
+    journal: Journal<File>,
 ) -> Result<Box<dyn Runner>, CommandError> {
-    Err(absent("`periplus run`"))
+    let run = SimulatedRun::new(world, header.clone(), noise, Some(journal));
+    Ok(Box::new(Headless::new(run)))
 }
 
 /// The console on a world, or on the built-in one.

@@ -196,7 +196,9 @@ impl Follower {
                 self.judge_look(wall, rest);
                 self.face(wall, rest)
             }
-            Doing::Facing(step) => Some(self.step(step)),
+            Doing::Facing(step) if rest.reason == DoneReason::Complete => Some(self.step(step)),
+            // The turn was cut short: the direction is chosen anew.
+            Doing::Facing(_) => self.face(wall, rest),
         }
     }
 

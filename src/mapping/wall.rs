@@ -207,6 +207,11 @@ impl Wall {
         seen
     }
 
+    /// Takes over a sighting that belongs to this wall.
+    pub fn adopt(&mut self, seen: Sighting) {
+        self.push(seen);
+    }
+
     fn push(&mut self, seen: Sighting) {
         self.near.push(self.log.len());
         self.log.push(seen);

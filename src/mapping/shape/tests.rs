@@ -7,7 +7,10 @@ fn survey(name: &str, truth: &Ring) {
         for seed in 0..4 {
             let contacts = roll(truth, Roll::new(sigma, seed));
             match outline(&contacts, REACH) {
-                Err(why) => println!("{name} sigma {sigma} seed {seed}: {why}, {}", contacts.len()),
+                Err(why) => println!(
+                    "{name} sigma {sigma} seed {seed}: {why}, {}",
+                    contacts.len()
+                ),
                 Ok(ring) => {
                     let error = compare(&ring, truth);
                     let pieces = ring.pieces.len();
@@ -15,7 +18,11 @@ fn survey(name: &str, truth: &Ring) {
                     let parts: Vec<_> = shape.parts.iter().map(|p| p.class).collect();
                     println!(
                         "{name:10} s{sigma:.4} #{seed} n{:4} p95 {:5.1} worst {:5.1} iou {:.4} pieces {pieces:3} {:?} {parts:?}",
-                        contacts.len(), error.p95 * 1e3, error.worst * 1e3, error.iou, shape.class
+                        contacts.len(),
+                        error.p95 * 1e3,
+                        error.worst * 1e3,
+                        error.iou,
+                        shape.class
                     );
                 }
             }
@@ -61,11 +68,18 @@ fn debug_one() {
         println!("{:?} ", run);
         for s in &samples[run.first..=run.last] {
             let tip = [Point::new(1.5, 1.5), Point::new(3.5, 1.5)]
-                .iter().map(|c| (c - s.point).norm()).fold(f64::INFINITY, f64::min);
+                .iter()
+                .map(|c| (c - s.point).norm())
+                .fold(f64::INFINITY, f64::min);
             if tip < 0.25 {
-                println!("   {:.4} {:.4} from {:.3} {:.3} edges {:?}", s.point.x, s.point.y, s.from.x, s.from.y, s.edges);
+                println!(
+                    "   {:.4} {:.4} from {:.3} {:.3} edges {:?}",
+                    s.point.x, s.point.y, s.from.x, s.from.y, s.edges
+                );
             }
         }
     }
-    for p in &outline(&contacts, REACH).unwrap().pieces { println!("{p:?}"); }
+    for p in &outline(&contacts, REACH).unwrap().pieces {
+        println!("{p:?}");
+    }
 }

@@ -65,13 +65,16 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
         for &point in &late {
             let arm = point - centre;
             let placed = centre + rotate(arm, -found.z) - Vector::new(found.x, found.y);
+            let beside = early.iter().any(|p| (p - placed).norm() < 0.02);
             let Some(wall) = stretch_beside(&early, placed) else {
+                // Ragged wall has no stretch to lie on; a contact where one was before agrees too.
+                agreeing += usize::from(beside);
                 continue;
             };
             let across = perp(wall.along);
             let row = Vector3::new(across.x, across.y, across.dot(&perp(rotate(arm, -found.z))));
             let off = across.dot(&(placed - wall.at));
-            agreeing += usize::from(off.abs() < 0.012);
+            agreeing += usize::from(beside || off.abs() < 0.012);
             // Huber's weight: a contact that belongs to another wall must not pull.
             let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
             normal += row * row.transpose() * weight;

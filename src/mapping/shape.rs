@@ -2,6 +2,7 @@
 //! Works on contacts alone: it knows neither the robot's commands nor the plan.
 
 mod assemble;
+mod chain;
 mod classify;
 mod corner;
 mod object;
@@ -49,7 +50,9 @@ pub(crate) struct Sample {
 /// # Errors
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
 pub fn outline(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
-    let ring = fitted(contacts, reach).ok_or(Failure::OutlineBroken)?;
+    let ring = fitted(contacts, reach)
+        .or_else(|| chain::outline(contacts))
+        .ok_or(Failure::OutlineBroken)?;
     Ok(ring.counter_clockwise())
 }
 

@@ -54,50 +54,65 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
     let prior = Vector3::new(position_weight, position_weight, 1.0 / HEADING_SD.powi(2));
     let shift = closure.to.pose.position - closure.from.pose.position;
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
-    // The robot follows the same wall at the same gap, so where it is now is a first guess; its
-    // heading wavers by more than the misclosure of a short lap.
-    let mut found = Vector3::new(shift.x, shift.y, if turn.abs() > 0.2 { turn } else { 0.0 });
-    let mut agreeing = 0;
-    for _ in 0..12 {
-        let mut normal = Matrix3::from_diagonal(&prior);
-        let mut right = Vector3::zeros();
-        agreeing = 0;
-        for &point in &late {
-            let arm = point - centre;
-            let placed = centre + rotate(arm, -found.z) - Vector::new(found.x, found.y);
-            let beside = early.iter().any(|p| (p - placed).norm() < 0.02);
-            let Some(wall) = stretch_beside(&early, placed) else {
-                // Ragged wall has no stretch to lie on; a contact where one was before agrees too.
-                agreeing += usize::from(beside);
-                continue;
-            };
-            let across = perp(wall.along);
-            let row = Vector3::new(across.x, across.y, across.dot(&perp(rotate(arm, -found.z))));
-            let off = across.dot(&(placed - wall.at));
-            agreeing += usize::from(beside || off.abs() < 0.012);
-            // Huber's weight: a contact that belongs to another wall must not pull.
-            let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
-            normal += row * row.transpose() * weight;
-            right += row * ((off + row.dot(&found)) * weight);
-        }
-        let Some(solution) = normal.lu().solve(&right) else {
-            break;
-        };
-        let change = (solution - found).norm();
-        found = solution;
-        if change < 1e-5 {
-            break;
+    // The robot follows the same wall at about the same gap and heading, so where it is now is one
+    // guess of the misclosure; that there is none is the other. The one that fits better counts.
+    let starts = [Vector3::zeros(), Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
+    let laid = Laid { early: &early, late: &late, centre, prior };
+    let (mut found, mut agreeing) = laid.closest(starts[0]);
+    for start in &starts[1..] {
+        let (other, agree) = laid.closest(*start);
+        if agree > agreeing + late.len() / 20 {
+            (found, agreeing) = (other, agree);
         }
     }
-    let misclosure = Misclosure {
-        dx: found.x,
-        dy: found.y,
-        heading: found.z,
-        lap,
-    };
-    Overlap {
-        misclosure,
-        agreement: agreeing as f64 / late.len().max(1) as f64,
+    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
+    Overlap { misclosure, agreement: agreeing as f64 / late.len().max(1) as f64 }
+}
+
+/// Two looks at the same wall.
+struct Laid<'a> {
+    early: &'a [Point],
+    late: &'a [Point],
+    centre: Point,
+    prior: Vector3<f64>,
+}
+
+impl Laid<'_> {
+    /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
+    /// many of them then agree.
+    fn closest(&self, start: Vector3<f64>) -> (Vector3<f64>, usize) {
+        let mut found = start;
+        let mut agreeing = 0;
+        for _ in 0..15 {
+            let mut normal = Matrix3::from_diagonal(&self.prior);
+            let mut right = Vector3::zeros();
+            agreeing = 0;
+            for &point in self.late {
+                let arm = rotate(point - self.centre, -found.z);
+                let placed = self.centre + arm - Vector::new(found.x, found.y);
+                let beside = self.early.iter().any(|p| (p - placed).norm() < 0.012);
+                let Some(wall) = stretch_beside(self.early, placed) else {
+                    // Ragged wall has no stretch to lie on; a contact where one was agrees too.
+                    agreeing += usize::from(beside);
+                    continue;
+                };
+                let across = perp(wall.along);
+                let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
+                let off = across.dot(&(placed - wall.at));
+                agreeing += usize::from(beside || off.abs() < 0.008);
+                // Huber's weight: a contact that belongs to another wall must not pull.
+                let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
+                normal += row * row.transpose() * weight;
+                right += row * ((off + row.dot(&found)) * weight);
+            }
+            let Some(solution) = normal.lu().solve(&right) else { break };
+            let change = (solution - found).norm();
+            found = solution;
+            if change < 1e-5 {
+                break;
+            }
+        }
+        (found, agreeing)
     }
 }
 

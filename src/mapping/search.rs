@@ -301,16 +301,21 @@ fn side_of(chassis: &Chassis, sensor: usize) -> Side {
     }
 }
 
-/// The contacts of one lap, adjusted, in order.
+/// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to
+/// something else and is left out.
 #[must_use]
 pub fn lap_contacts(
     wall: &Wall,
     closure: &Closure,
     adjustment: &Adjustment,
 ) -> Vec<super::map::Contact> {
+    let towards = |seen: &super::wall::Sighting| {
+        let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
+        seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
+    };
     wall.log()
         .iter()
-        .filter(|seen| seen.alive)
+        .filter(|seen| seen.alive && towards(seen))
         .filter(|seen| {
             seen.travelled > closure.from.travelled - 0.02
                 && seen.travelled <= closure.to.travelled + 0.1

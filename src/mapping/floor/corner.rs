@@ -8,9 +8,10 @@ use crate::geometry::{Point, Segment, Vector};
 const ROUNDING: f64 = 1e-7;
 
 impl Floor {
-    /// Whether the centre can be within the body's radius of `p`, as far as the raster tells.
+    /// Whether the centre can be within the body's radius of `p` or of a place close to it, as far
+    /// as the raster tells: where the raster's maximum lies, the true one need not.
     pub(super) fn touches_near(&self, p: Point) -> bool {
-        self.any_touchable(p, self.radius + self.grid.cell)
+        self.any_touchable(p, self.radius + 3.0 * self.grid.cell)
     }
 
     fn any_touchable(&self, p: Point, radius: f64) -> bool {

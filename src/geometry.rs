@@ -12,6 +12,7 @@ pub mod pose;
 pub mod raster;
 pub mod ring;
 pub mod segment;
+pub mod visibility;
 
 pub use pose::Pose;
 pub use ring::{Piece, Ring};

@@ -7,11 +7,14 @@
 //! bits on every machine. Nothing here knows what a robot is.
 
 pub mod angle;
+pub mod fit;
+pub mod hull;
 pub mod index;
 pub mod pose;
 pub mod raster;
 pub mod ring;
 pub mod segment;
+pub mod simple;
 pub mod visibility;
 
 pub use pose::Pose;

@@ -10,6 +10,7 @@ mod route;
 #[cfg(test)]
 pub(crate) mod rooms;
 
+pub(in crate::mapping) use hidden::Unswept;
 pub use hidden::{Coverage, HiddenDisc};
 
 use crate::geometry::index::SegmentIndex;
@@ -161,6 +162,12 @@ impl Floor {
     #[must_use]
     pub fn is_drivable(&self, p: Point) -> bool {
         self.drivable[self.grid.index(p)]
+    }
+
+    /// Whether any object stands on the floor.
+    #[must_use]
+    pub fn has_objects(&self) -> bool {
+        !self.objects.segments().is_empty()
     }
 
     /// Area of the floor that the body can reach as far as the boundary goes, square metres.

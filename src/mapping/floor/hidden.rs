@@ -180,16 +180,16 @@ pub(super) const DIRECTIONS: [Vector; 16] = {
 };
 
 /// The field of radii on one floor for one path.
-struct Unswept<'a> {
+pub(in crate::mapping) struct Unswept<'a> {
     floor: &'a Floor,
     path: SegmentIndex,
     /// For every cell the radius of the disc around it; a little too large where the body cannot
     /// be centred, because there the distance to the wall stands in for the corner's shape.
-    field: Vec<f32>,
+    pub(in crate::mapping) field: Vec<f32>,
 }
 
 impl<'a> Unswept<'a> {
-    fn new(floor: &'a Floor, path: Vec<Segment>) -> Self {
+    pub(in crate::mapping) fn new(floor: &'a Floor, path: Vec<Segment>) -> Self {
         let nearest = Nearest::new(&floor.grid, &path);
         let reach = floor.reach as f32;
         let field = nearest
@@ -206,7 +206,7 @@ impl<'a> Unswept<'a> {
     }
 
     /// Radius of the disc around `p`, exactly.
-    fn radius(&self, p: Point) -> f64 {
+    pub(in crate::mapping) fn radius(&self, p: Point) -> f64 {
         let floor = self.floor;
         let wall = floor.wall_clearance(p);
         if wall <= 0.0 {
@@ -223,7 +223,7 @@ impl<'a> Unswept<'a> {
 
     /// The `most` largest discs of at least `diameter`, largest first: from each cell that is no
     /// smaller than those around it, uphill.
-    fn spots(&self, diameter: f64, most: usize) -> Vec<HiddenDisc> {
+    pub(in crate::mapping) fn spots(&self, diameter: f64, most: usize) -> Vec<HiddenDisc> {
         let slack = 0.75 * self.floor.grid.cell;
         let mut tops: Vec<usize> = (0..self.field.len())
             .filter(|&cell| f64::from(self.field[cell]) + slack > diameter / 2.0)

@@ -96,14 +96,23 @@ impl Floor {
     /// Distance from `p` to the boundary alone, metres; negative outside.
     #[must_use]
     pub fn wall_clearance(&self, p: Point) -> f64 {
-        let distance = self.walls.distance(p, f64::INFINITY);
-        let known = f64::from(self.wall[self.grid.index(p)]);
+        let (known, off) = self.nearest_cell(p);
+        let known = f64::from(self.wall[known]);
+        // The raster bounds the distance, so that one look is enough.
+        let most = known.abs() + off + 1e-5;
+        let distance = self.walls.distance_within(p, most);
         let within = if known.abs() > self.grid.cell {
             known > 0.0
         } else {
             odd_crossings(self.walls.segments(), p)
         };
         if within { distance } else { -distance }
+    }
+
+    /// The cell nearest to `p`, and how far away it is, metres.
+    fn nearest_cell(&self, p: Point) -> (usize, f64) {
+        let cell = self.grid.index(p);
+        (cell, (self.grid.point(cell) - p).norm())
     }
 
     /// Distance from `p` to the nearest object, metres; negative inside one, infinite without.

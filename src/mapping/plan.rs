@@ -130,22 +130,38 @@ struct Outcome {
 
 impl Work<'_> {
     fn outcome(&self, strategy: Strategy, lines: &[PlanLine]) -> Outcome {
-        let (order, length, driven, extra) = match strategy {
+        match strategy {
             Strategy::Paper => {
                 let (order, length) = order::by_vertex(self, lines);
-                (order, length, lean::essential(self, lines), Vec::new())
+                let driven = lean::essential(self, lines);
+                self.outcome_of(strategy, order, length, &driven)
             }
             Strategy::Lean => {
                 let chosen = lean::choose(self, lines);
                 let (order, length) = order::shortest(self, &chosen);
-                (order, length, chosen, Vec::new())
+                self.outcome_of(strategy, order, length, &chosen)
             }
             Strategy::Lanes => {
                 let first = lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
                 let (order, length, lanes) = lanes::plan(self, first);
-                (order, length, lanes.iter().collect(), lanes.clone())
+                let driven: Vec<&PlanLine> = lanes.iter().collect();
+                let outcome = self.outcome_of(strategy, order, length, &driven);
+                Outcome {
+                    extra: lanes,
+                    ..outcome
+                }
             }
-        };
+        }
+    }
+
+    /// What driving `driven` in `order` comes to.
+    fn outcome_of(
+        &self,
+        strategy: Strategy,
+        order: order::Order,
+        length: f64,
+        driven: &[&PlanLine],
+    ) -> Outcome {
         let mut coverage = self.driven.clone();
         for line in driven {
             drive::cover(self.floor, line, &mut coverage);
@@ -160,7 +176,46 @@ impl Work<'_> {
         Outcome {
             order,
             figures,
-            extra,
+            extra: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod figures_tmp {
+    use super::*;
+    use crate::mapping::floor::rooms;
+    #[test]
+    fn figures_tmp() {
+        for (name, room) in [
+            ("5x4", rooms::rectangle(5.0, 4.0)),
+            ("ell", rooms::ell()),
+            ("flat", rooms::flat()),
+        ] {
+            for alpha in [0.5, 0.25, 0.1, 0.06] {
+                let shape = rooms::shape(&room);
+                let lap = rooms::lap(&room, 0.145);
+                let mut settings = Settings::new(crate::geometry::Pose::new(0.5, 0.5, 0.0));
+                settings.alpha = alpha;
+                let t = std::time::SystemTime::now();
+                let plan = make(&PlanRequest {
+                    shape: &shape,
+                    objects: &[],
+                    driven: &lap,
+                    from: Point::new(0.5, 0.145),
+                    settings: &settings,
+                });
+                println!(
+                    "{name} {alpha} entries {} planned {} {:?}",
+                    plan.lines.len(),
+                    plan.lines.iter().filter(|l| l.drive.is_some()).count(),
+                    t.elapsed().unwrap()
+                );
+                println!("   {:?}", plan.figures);
+                for a in &plan.alternatives {
+                    println!("   {a:?}");
+                }
+            }
         }
     }
 }

@@ -25,6 +25,9 @@ const STRAIGHT: f64 = 0.001;
 /// A maximum is followed up until it is known to this, metres.
 const FINE: f64 = 0.0005;
 
+/// Cells that differ by less than this are level, metres.
+const LEVEL: f32 = 1e-5;
+
 /// Where the centre has been: grows as the robot drives.
 #[derive(Debug, Clone, Default)]
 pub struct Coverage {
@@ -214,7 +217,7 @@ impl<'a> Unswept<'a> {
         }
         let mut least = wall.min(floor.object_clearance(p));
         let most = least + floor.reach;
-        least = least.min(self.path.distance(p, most) - floor.reach);
+        least = least.min(self.path.distance_within(p, most) - floor.reach);
         if wall < floor.radius && least > 0.0 {
             least = least.min(floor.corner_depth(p));
         }
@@ -247,13 +250,17 @@ impl<'a> Unswept<'a> {
         found
     }
 
+    /// Whether a cell is no smaller than those around it; of a level ridge only the first cell is,
+    /// so that a long corridor does not count as a thousand maxima.
     fn is_top(&self, cell: usize) -> bool {
         let value = self.field[cell];
-        // Of a plateau, one cell in a few is enough; exact ties are rare off symmetric rooms.
         reach::neighbours(&self.floor.grid, cell)
             .into_iter()
             .flatten()
-            .all(|near| self.field[near] <= value)
+            .all(|near| {
+                let other = self.field[near];
+                other <= value + LEVEL && (near > cell || other < value - LEVEL)
+            })
     }
 
     /// Whether the body can touch something there: it fits, or it fits within its own radius.

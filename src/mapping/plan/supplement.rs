@@ -83,44 +83,56 @@ fn serving(
     lines: &[PlanLine],
     spot: &HiddenDisc,
 ) -> Option<(Point, Point, Option<u32>)> {
-    let mut best: Option<(f64, Point, Point, Option<u32>)> = None;
-    let mut offer = |from: Point, to: Point, id: Option<u32>| {
-        let piece = Segment::new(from, to);
-        let middle = nalgebra::center(&from, &to);
-        if !serves(work, spot, from, to) || !work.floor.is_drivable(middle) {
-            return;
-        }
-        let Some((a, b)) = need.trimmed(&piece).map(|t| stretched(t, &piece)) else {
-            return;
-        };
-        let gain = need.gain(&[Segment::new(a, b)]) as f64;
-        let worth = gain / ((b - a).norm() + 1.0);
-        if serves(work, spot, a, b) && best.is_none_or(|(most, ..)| worth > most) {
-            best = Some((worth, a, b, id));
-        }
+    let mut choice = Choice {
+        work,
+        need,
+        spot,
+        best: None,
     };
     for line in lines {
         for (from, to) in drive::free_pieces(work.floor, line) {
-            offer(from, to, Some(line.id));
+            choice.offer(from, to, Some(line.id));
         }
     }
-    if best.is_none() {
+    if choice.best.is_none() {
         let at = drivable_near(work.floor, spot)?;
         for k in 0..DIRECTIONS {
             let direction = angle::unit(angle::PI * f64::from(k) / f64::from(DIRECTIONS));
             if let Some((from, to)) = drive::through(work.floor, at, direction) {
-                let piece = Segment::new(from, to);
-                let here = piece.nearest(at);
-                let direct = if (here - at).norm() < 0.01 {
-                    (from, to)
-                } else {
-                    (here, at)
-                };
-                offer(direct.0, direct.1, None);
+                choice.offer(from, to, None);
             }
         }
     }
-    best.map(|(_, from, to, id)| (from, to, id))
+    choice.best.map(|(_, from, to, id)| (from, to, id))
+}
+
+/// The best stretch so far for one place.
+struct Choice<'a> {
+    work: &'a Work<'a>,
+    need: &'a Need,
+    spot: &'a HiddenDisc,
+    /// What it is worth, its ends, and the line of the plan it is a part of.
+    best: Option<(f64, Point, Point, Option<u32>)>,
+}
+
+impl Choice<'_> {
+    fn offer(&mut self, from: Point, to: Point, id: Option<u32>) {
+        let piece = Segment::new(from, to);
+        let middle = nalgebra::center(&from, &to);
+        if !serves(self.work, self.spot, from, to) || !self.work.floor.is_drivable(middle) {
+            return;
+        }
+        let Some(stretch) = self.need.trimmed(&piece) else {
+            return;
+        };
+        let (a, b) = stretched(stretch, &piece);
+        let gain = self.need.gain(&[Segment::new(a, b)]) as f64;
+        let worth = gain / ((b - a).norm() + 1.0);
+        let better = self.best.is_none_or(|(most, ..)| worth > most);
+        if better && serves(self.work, self.spot, a, b) {
+            self.best = Some((worth, a, b, id));
+        }
+    }
 }
 
 /// A stretch of no length is driven a little way, so that there is something to drive.

@@ -15,7 +15,7 @@ mod travel;
 pub use paper::lines as paper;
 pub use supplement::supplement;
 
-use super::floor::{Coverage, Floor};
+use super::floor::{Coverage, Floor, Unswept};
 use super::map::{LineReason, LineStatus, MappedObject, Plan, PlanFigures, PlanLine, Shape};
 use super::settings::{Settings, Strategy};
 use crate::geometry::{Point, Ring};
@@ -62,6 +62,7 @@ pub fn make_on(floor: &Floor, request: &PlanRequest<'_>) -> Plan {
         floor,
         shape: request.shape,
         driven: &driven,
+        lap: Unswept::new(floor, driven.segments()),
         from: request.from,
         target: (settings.alpha - MARGIN).max(0.0),
         alpha: settings.alpha,
@@ -114,6 +115,8 @@ struct Work<'a> {
     floor: &'a Floor,
     shape: &'a Shape,
     driven: &'a Coverage,
+    /// What that leaves.
+    lap: Unswept<'a>,
     from: Point,
     /// Diameter that no hidden disc may exceed where a line can help it, metres.
     target: f64,

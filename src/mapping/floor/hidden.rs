@@ -6,10 +6,12 @@
 //! distance to the path - (r + d)). The raster gives the neighbourhood of each maximum and exact
 //! distances the rest, so its pitch hardly matters.
 
+use super::corner::Corner;
 use super::{Floor, reach};
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::raster::Nearest;
 use crate::geometry::{Point, Segment, Vector, cross};
+use std::cell::RefCell;
 
 /// The largest disc that may still hide something.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -189,6 +191,7 @@ pub(in crate::mapping) struct Unswept<'a> {
     /// For every cell the radius of the disc around it; a little too large where the body cannot
     /// be centred, because there the distance to the wall stands in for the corner's shape.
     pub(in crate::mapping) field: Vec<f32>,
+    corner: RefCell<Option<Corner>>,
 }
 
 impl<'a> Unswept<'a> {
@@ -205,6 +208,16 @@ impl<'a> Unswept<'a> {
             floor,
             path: SegmentIndex::new(path, 0.25),
             field,
+            corner: RefCell::new(None),
+        }
+    }
+
+    /// Depth of the corner at `p`; a climb asks again and again in one place.
+    fn corner_depth(&self, p: Point) -> f64 {
+        let mut corner = self.corner.borrow_mut();
+        match corner.as_ref() {
+            Some(known) if known.covers(p) => known.depth(p),
+            _ => corner.insert(self.floor.corner(p)).depth(p),
         }
     }
 
@@ -219,7 +232,7 @@ impl<'a> Unswept<'a> {
         let most = least + floor.reach;
         least = least.min(self.path.distance_within(p, most) - floor.reach);
         if wall < floor.radius && least > 0.0 {
-            least = least.min(floor.corner_depth(p));
+            least = least.min(self.corner_depth(p));
         }
         least
     }
@@ -228,8 +241,15 @@ impl<'a> Unswept<'a> {
     /// smaller than those around it, uphill.
     pub(in crate::mapping) fn spots(&self, diameter: f64, most: usize) -> Vec<HiddenDisc> {
         let slack = 0.75 * self.floor.grid.cell;
+        let mut least = diameter / 2.0 - slack;
+        if most == 1 {
+            // Where the body can be centred the raster is exact: no top below that matters.
+            let touchable = self.field.iter().zip(&self.floor.touchable);
+            let best = touchable.filter(|(_, on)| **on).map(|(&r, _)| r);
+            least = least.max(f64::from(best.fold(0.0, f32::max)) - slack);
+        }
         let mut tops: Vec<usize> = (0..self.field.len())
-            .filter(|&cell| f64::from(self.field[cell]) + slack > diameter / 2.0)
+            .filter(|&cell| f64::from(self.field[cell]) > least)
             .filter(|&cell| self.is_top(cell) && self.is_inside(cell))
             .collect();
         tops.sort_by(|&a, &b| self.field[b].total_cmp(&self.field[a]).then(a.cmp(&b)));

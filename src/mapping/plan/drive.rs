@@ -11,7 +11,7 @@ const SIDE: f64 = 0.022;
 /// (d = 0.06) has closed by then.
 const HEAD: f64 = 0.045;
 /// Where the side's room is only just missing, the line is probed in steps of this, metres.
-const PROBE: f64 = 0.01;
+const PROBE: f64 = 0.02;
 /// Shorter pieces are not worth a line, metres.
 const SHORTEST: f64 = 0.05;
 
@@ -33,14 +33,19 @@ pub(super) fn piece(floor: &Floor, start: Point, end: Point) -> Option<(Point, P
     let side = floor.radius + SIDE;
     let clear = |p: Point| floor.wall_clearance_near(p) - side;
     let sent = |&(a, b): &(f64, f64)| {
-        let objects = floor.object_clearance(way.at(f64::midpoint(a, b))) < side;
-        b - a >= SHORTEST && (objects || floor.is_drivable(way.at(f64::midpoint(a, b))))
+        let middle = way.at(f64::midpoint(a, b));
+        // Whether an object there can be passed is for the drive to find out.
+        let sent = || floor.is_drivable(middle) || floor.object_clearance(middle) < side;
+        b - a >= SHORTEST && sent()
     };
     let longest = way
         .pieces(first, last, clear)
         .into_iter()
         .filter(sent)
         .max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
+    if !floor.has_objects() {
+        return Some((way.at(longest.0), way.at(longest.1)));
+    }
     let free = way.pieces(longest.0, longest.1, |p| floor.clearance_near(p) - side);
     let begin = free.first()?.0;
     let finish = free.last()?.1;
@@ -78,7 +83,7 @@ pub(super) fn through(floor: &Floor, p: Point, direction: Vector) -> Option<(Poi
         let far = Way::new(p, p + direction * size)?;
         let pieces = far.pieces(0.0, size, |q| floor.clearance_near(q) - side);
         let (from, to) = *pieces.first()?;
-        (from < 2.0 * PROBE).then(|| far.at(to))
+        (from < PROBE).then(|| far.at(to))
     };
     Some((run(-direction)?, run(direction)?))
 }
@@ -108,27 +113,45 @@ impl Way {
     /// more than the way gone, so one can go ahead by the room there is.
     fn pieces(&self, first: f64, last: f64, room: impl Fn(Point) -> f64) -> Vec<(f64, f64)> {
         let mut pieces = Vec::new();
-        let (mut t, mut open) = (first, None);
+        let (mut t, mut before, mut open) = (first, first, None);
         while t < last {
             let here = room(self.at(t));
-            if here >= 0.0 {
-                open.get_or_insert(t);
-            } else if let Some(from) = open.take() {
-                pieces.push((from, t - PROBE));
+            if here >= 0.0 && open.is_none() {
+                open = Some(self.threshold(before, t, &room));
+            } else if here < 0.0 && open.is_some() {
+                pieces.extend(
+                    open.take()
+                        .map(|from| (from, self.threshold(t, before, &room))),
+                );
             }
+            before = t;
             t += here.abs().max(PROBE);
         }
         if let Some(from) = open {
-            // The last stride may have gone past a place without room only by less than a probe.
-            let to = if room(self.at(last)) >= 0.0 {
+            let ends = room(self.at(last)) >= 0.0;
+            let to = if ends {
                 last
             } else {
-                (t - PROBE).min(last - PROBE)
+                self.threshold(last, before, &room)
             };
             pieces.push((from, to));
         }
         pieces.retain(|&(from, to)| to > from);
         pieces
+    }
+
+    /// A place with room, near where room begins on the way from `without` to `with`.
+    fn threshold(&self, without: f64, with: f64, room: &impl Fn(Point) -> f64) -> f64 {
+        let (mut without, mut with) = (without, with);
+        for _ in 0..3 {
+            let middle = f64::midpoint(without, with);
+            if room(self.at(middle)) >= 0.0 {
+                with = middle;
+            } else {
+                without = middle;
+            }
+        }
+        with
     }
 }
 

@@ -5,7 +5,6 @@ use super::cover::Need;
 use super::order::{self, Order};
 use super::{Work, drive};
 use crate::geometry::{Piece, Point, Segment, Vector, angle, perp};
-use crate::mapping::floor::Unswept;
 use crate::mapping::map::{LineStatus, PlanLine};
 
 /// Kept in hand for what lies between the raster's places, metres.
@@ -17,9 +16,8 @@ const OFFSETS: [f64; 9] = [0.99, 0.85, 0.7, 0.5, 0.3, 0.0, -0.3, -0.6, -0.9];
 /// whichever of the two directions of the longest wall comes out shorter.
 pub(super) fn plan(work: &Work<'_>, first: u32) -> (Order, f64, Vec<PlanLine>) {
     let along = longest_wall(work);
-    let lap = Unswept::new(work.floor, work.driven.segments());
     let over = (work.target / 2.0 - GUARD).max(0.002);
-    let need = Need::new(work.floor, &lap, over, 1);
+    let need = Need::new(work.floor, &work.lap, over, 1);
     [along, perp(along)]
         .into_iter()
         .map(|direction| {

@@ -4,7 +4,7 @@
 
 use super::cover::Need;
 use super::{Work, drive};
-use crate::geometry::Segment;
+use crate::geometry::{Point, Segment};
 use crate::mapping::floor::{Coverage, Unswept};
 use crate::mapping::map::{LineStatus, PlanLine};
 use std::collections::BinaryHeap;
@@ -19,6 +19,8 @@ const COARSE_GUARD: f64 = 0.010;
 const FINE_GUARD: f64 = 0.003;
 /// Rounds of serving single places.
 const ROUNDS: usize = 4;
+/// Lines weighed for one place.
+const SAMPLE: usize = 80;
 
 /// A line that can be chosen.
 struct Candidate<'a> {
@@ -27,22 +29,21 @@ struct Candidate<'a> {
     cost: f64,
 }
 
+impl Candidate<'_> {
+    /// Distance from a place, metres.
+    fn off(&self, at: Point) -> f64 {
+        let squares = self.pieces.iter().map(|piece| piece.distance_squared(at));
+        squares.fold(f64::INFINITY, f64::min).sqrt()
+    }
+}
+
 /// The lines chosen, in the order of the plan.
 pub(super) fn choose<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a PlanLine> {
     let candidates = candidates(work, lines);
-    let radius = work.target / 2.0;
-    let lap = Unswept::new(work.floor, work.driven.segments());
-    let coarse = Need::new(work.floor, &lap, (radius - COARSE_GUARD).max(0.002), 2);
-    let few = thinned(&candidates, work.alpha);
-    let mut chosen = greedy(coarse, &candidates, &few);
-    let all: Vec<usize> = (0..candidates.len()).collect();
-    let fine = Need::new(work.floor, &lap, (radius - FINE_GUARD).max(0.002), 1);
-    let mut left = fine.clone();
-    for &k in &chosen {
-        left.serve(&candidates[k].pieces);
-    }
-    chosen.extend(greedy(left, &candidates, &all));
-    drop_idle(&fine, &candidates, &mut chosen);
+    let over = (work.target / 2.0 - COARSE_GUARD).max(0.002);
+    let need = Need::new(work.floor, &work.lap, over, 2);
+    let mut chosen = greedy(need.clone(), &candidates, &thinned(&candidates, work.alpha));
+    drop_idle(&need, &candidates, &mut chosen);
     repair(work, &candidates, &mut chosen);
     chosen.sort_unstable();
     chosen.iter().map(|&k| candidates[k].line).collect()
@@ -52,25 +53,17 @@ pub(super) fn choose<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a Plan
 /// these sweep too.
 pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a PlanLine> {
     let candidates = candidates(work, lines);
-    let lap = Unswept::new(work.floor, work.driven.segments());
-    let mut need = Need::new(work.floor, &lap, 0.0, 2);
-    let mut chosen: Vec<usize> = Vec::new();
-    // Far apart ones first: few of them serve nearly everything.
-    let stride = (candidates.len() / 64).max(1);
-    for k in (0..stride).flat_map(|first| (first..candidates.len()).step_by(stride)) {
-        if need.is_empty() {
-            break;
-        }
-        if need.gain(&candidates[k].pieces) > 0 {
-            need.serve(&candidates[k].pieces);
-            chosen.push(k);
-        }
-    }
-    let mut coverage = covered(work, &candidates, &chosen);
+    let mut need = Need::new(work.floor, &work.lap, 0.0, 2);
+    // A few hundred lines far apart sweep nearly everything; the rest is looked for in places.
+    let stride = (candidates.len() / 512).max(1);
+    let mut chosen: Vec<usize> = (0..candidates.len())
+        .step_by(stride)
+        .filter(|&k| need.serve(&candidates[k].pieces))
+        .collect();
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        for spot in coverage.spots(work.floor, 0.01) {
-            let near = nearest(work, &candidates, &spot.at);
+        for spot in covered(work, &candidates, &chosen).spots(work.floor, 0.01) {
+            let near = nearest(&candidates, spot.at);
             if let Some((k, off)) = near
                 && off < work.floor.reach + 0.4 * spot.diameter
                 && !chosen.contains(&k)
@@ -78,10 +71,9 @@ pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a P
                 chosen.push(k);
             }
         }
-        if chosen.len() == before {
+        if chosen.len() < before + 3 {
             break;
         }
-        coverage = covered(work, &candidates, &chosen);
     }
     chosen.iter().map(|&k| candidates[k].line).collect()
 }
@@ -167,18 +159,25 @@ fn drop_idle(need: &Need, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>)
     }
 }
 
-/// Adds the nearest line to each place where too large a disc is left, as long as one helps.
+/// Serves each place where too large a disc is left, as long as a line helps.
 fn repair(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>) {
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        let coverage = covered(work, candidates, chosen);
-        for spot in coverage.spots(work.floor, work.target) {
-            let Some((k, off)) = nearest(work, candidates, &spot.at) else {
-                continue;
-            };
-            let helps = off < work.floor.reach + spot.diameter / 2.0 - 0.001;
-            if helps && !chosen.contains(&k) {
-                chosen.push(k);
+        let unswept = Unswept::new(work.floor, covered(work, candidates, chosen).segments());
+        let spots = unswept.spots(work.target, usize::MAX);
+        if spots.is_empty() {
+            return;
+        }
+        let over = (work.target / 2.0 - FINE_GUARD).max(0.002);
+        let mut need = Need::new(work.floor, &unswept, over, 1);
+        for spot in spots {
+            let within = work.floor.reach + spot.diameter / 2.0 - 0.002;
+            let helps = |k: usize| candidates[k].off(spot.at) < within;
+            if !chosen[before..].iter().any(|&k| helps(k)) {
+                chosen.extend(best_of(&need, candidates, helps));
+                if let Some(&k) = chosen.last() {
+                    need.serve(&candidates[k].pieces);
+                }
             }
         }
         if chosen.len() == before {
@@ -187,24 +186,27 @@ fn repair(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>
     }
 }
 
-/// The candidate that comes nearest to a place, and how near, metres.
-fn nearest(
-    _work: &Work<'_>,
+/// Of the lines that help, the one that serves most for its cost; of very many, among a sample.
+fn best_of(
+    need: &Need,
     candidates: &[Candidate<'_>],
-    at: &crate::geometry::Point,
-) -> Option<(usize, f64)> {
-    let off = |c: &Candidate<'_>| {
-        c.pieces
-            .iter()
-            .map(|piece| piece.distance_squared(*at))
-            .fold(f64::INFINITY, f64::min)
-    };
+    helps: impl Fn(usize) -> bool,
+) -> Option<usize> {
+    let able: Vec<usize> = (0..candidates.len()).filter(|&k| helps(k)).collect();
+    let stride = able.len().div_ceil(SAMPLE).max(1);
+    let worth = |k: usize| need.gain(&candidates[k].pieces) as f64 / candidates[k].cost;
+    able.into_iter()
+        .step_by(stride)
+        .max_by(|&a, &b| worth(a).total_cmp(&worth(b)).then(b.cmp(&a)))
+}
+
+/// The candidate that comes nearest to a place, and how near, metres.
+fn nearest(candidates: &[Candidate<'_>], at: Point) -> Option<(usize, f64)> {
     candidates
         .iter()
         .enumerate()
-        .map(|(k, c)| (k, off(c)))
+        .map(|(k, candidate)| (k, candidate.off(at)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(k, square)| (k, square.sqrt()))
 }
 
 fn covered(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &[usize]) -> Coverage {

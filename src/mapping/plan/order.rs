@@ -13,9 +13,6 @@ pub(super) type Order = Vec<(u32, bool)>;
 
 /// A line that no way leads to counts as this far away, metres, and comes last.
 const FAR: f64 = 1e4;
-/// Connections longer than this are measured round walls, metres; shorter ones run along the
-/// opposite edge.
-const BESIDE: f64 = 0.6;
 /// Rounds of improvement at most; a few are enough.
 const ROUNDS: usize = 40;
 
@@ -46,7 +43,13 @@ pub(super) fn by_vertex(work: &Work<'_>, lines: &[PlanLine]) -> (Order, f64) {
             };
             let back = k % 2 == 1;
             let (begin, end) = if back { (to, from) } else { (from, to) };
-            length += connection(&travel, at, begin) + (to - from).norm();
+            length += (to - from).norm();
+            // Within a fan the far ends lie side by side; only the way to it goes round walls.
+            length += if k == 0 {
+                connection(work, &travel, at, begin)
+            } else {
+                (begin - at).norm()
+            };
             order.push((line.id, back));
             at = end;
         }
@@ -54,9 +57,9 @@ pub(super) fn by_vertex(work: &Work<'_>, lines: &[PlanLine]) -> (Order, f64) {
     (order, length)
 }
 
-fn connection(travel: &Travel, at: Point, to: Point) -> f64 {
+fn connection(work: &Work<'_>, travel: &Travel, at: Point, to: Point) -> f64 {
     let straight = (to - at).norm();
-    if straight <= BESIDE {
+    if work.floor.is_clear(at, to, work.floor.radius) {
         return straight;
     }
     let round = travel.length(&travel.from(at), to);

@@ -30,6 +30,7 @@ pub fn supplement(
         floor,
         shape,
         driven: coverage,
+        lap: Unswept::new(floor, coverage.segments()),
         from: Point::origin(),
         target: (alpha - MARGIN).max(0.0),
         alpha,

@@ -6,7 +6,7 @@ use crate::geometry::raster::Grid;
 use crate::mapping::floor::Floor;
 
 /// Pitch of the coarse raster, metres, about.
-const PITCH: f64 = 0.12;
+const PITCH: f64 = 0.15;
 /// Costs of a straight and a diagonal step: 7 / 5 is near enough to the root of two.
 const STRAIGHT: u32 = 5;
 const DIAGONAL: u32 = 7;

@@ -15,6 +15,7 @@ pub mod raster;
 pub mod ring;
 pub mod segment;
 pub mod simple;
+pub mod visibility;
 
 pub use pose::Pose;
 pub use ring::{Piece, Ring};

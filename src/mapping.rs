@@ -15,4 +15,7 @@ pub mod search;
 pub mod settings;
 pub mod shape;
 pub mod tour;
+pub mod plan;
+pub mod settings;
+pub mod shape;
 pub mod wall;

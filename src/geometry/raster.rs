@@ -182,86 +182,135 @@ pub struct Nearest {
     pub squared: Vec<f32>,
 }
 
+/// Blocks of at most this many cells a side are filled cell by cell.
+const LEAF: usize = 8;
+
 impl Nearest {
-    /// The transform: cells at the segments first, the rest by handing the nearest segment on to
-    /// the neighbours in two sweeps (Danielsson 1980), each with its exact distance.
+    /// The transform, by halving blocks: of the segments that may be nearest somewhere in a block,
+    /// only those no further from its middle than the nearest one plus the block's diagonal can be
+    /// nearest in it. What is left in a small block is measured from every cell.
     #[must_use]
     pub fn new(grid: &Grid, segments: &[Segment]) -> Self {
         let mut field = Self {
             which: vec![u32::MAX; grid.len()],
             squared: vec![f32::INFINITY; grid.len()],
         };
-        field.seed(grid, segments);
-        field.spread(grid, segments);
+        let mut stack: Vec<u32> = (0..segments.len() as u32).collect();
+        if !stack.is_empty() {
+            let whole = Block {
+                x: 0,
+                y: 0,
+                width: grid.width,
+                height: grid.height,
+            };
+            field.fill(grid, segments, &whole, &mut stack, 0);
+        }
         field
     }
 
-    fn seed(&mut self, grid: &Grid, segments: &[Segment]) {
-        for (number, segment) in segments.iter().enumerate() {
-            grid.stadium_runs(segment, grid.cell * 0.75, |row, first, last| {
-                for x in first..=last {
-                    let square = segment.distance_squared(grid.center(x, row)) as f32;
-                    let cell = row * grid.width + x;
-                    if square < self.squared[cell] {
-                        self.squared[cell] = square;
-                        self.which[cell] = number as u32;
+    /// Fills `block` from the candidates on `stack` from `base` on; leaves the stack as it was.
+    fn fill(
+        &mut self,
+        grid: &Grid,
+        segments: &[Segment],
+        block: &Block,
+        stack: &mut Vec<u32>,
+        base: usize,
+    ) {
+        let top = stack.len();
+        let (middle, half) = block.middle(grid);
+        if top - base > 1 {
+            let mut least = f64::INFINITY;
+            let mut squares: [f64; 64] = [0.0; 64];
+            for (k, &number) in stack[base..top].iter().enumerate() {
+                let square = segments[number as usize].distance_squared(middle);
+                squares[k % 64] = square;
+                least = least.min(square);
+            }
+            let most = least.sqrt() + 2.0 * half;
+            let most = most * most;
+            let few = top - base <= 64;
+            for k in 0..top - base {
+                let number = stack[base + k];
+                let square = if few {
+                    squares[k]
+                } else {
+                    segments[number as usize].distance_squared(middle)
+                };
+                if square <= most {
+                    stack.push(number);
+                }
+            }
+        } else {
+            stack.push(stack[base]);
+        }
+        if block.width <= LEAF && block.height <= LEAF {
+            self.measure(grid, segments, block, &stack[top..]);
+        } else {
+            for part in block.halves().into_iter().flatten() {
+                self.fill(grid, segments, &part, stack, top);
+            }
+        }
+        stack.truncate(top);
+    }
+
+    fn measure(&mut self, grid: &Grid, segments: &[Segment], block: &Block, candidates: &[u32]) {
+        for y in block.y..block.y + block.height {
+            for x in block.x..block.x + block.width {
+                let at = grid.center(x, y);
+                let (mut best, mut which) = (f64::INFINITY, u32::MAX);
+                for &number in candidates {
+                    let square = segments[number as usize].distance_squared(at);
+                    if square < best {
+                        (best, which) = (square, number);
                     }
                 }
-            });
-        }
-    }
-
-    fn spread(&mut self, grid: &Grid, segments: &[Segment]) {
-        let (width, height) = (grid.width, grid.height);
-        for y in 0..height {
-            if y > 0 {
-                self.row_from(grid, segments, y, y - 1);
-            }
-            self.along(grid, segments, y);
-        }
-        for y in (0..height.saturating_sub(1)).rev() {
-            self.row_from(grid, segments, y, y + 1);
-            self.along(grid, segments, y);
-        }
-        debug_assert_eq!(self.which.len(), width * height);
-    }
-
-    /// Takes over what the row `other` knows, straight and diagonally.
-    fn row_from(&mut self, grid: &Grid, segments: &[Segment], y: usize, other: usize) {
-        for x in 0..grid.width {
-            let (cell, near) = (y * grid.width + x, other * grid.width + x);
-            let at = grid.center(x, y);
-            self.take(segments, cell, near, at);
-            if x > 0 {
-                self.take(segments, cell, near - 1, at);
-            }
-            if x + 1 < grid.width {
-                self.take(segments, cell, near + 1, at);
+                let cell = y * grid.width + x;
+                self.squared[cell] = best as f32;
+                self.which[cell] = which;
             }
         }
     }
+}
 
-    fn along(&mut self, grid: &Grid, segments: &[Segment], y: usize) {
-        let row = y * grid.width;
-        for x in 1..grid.width {
-            self.take(segments, row + x, row + x - 1, grid.center(x, y));
-        }
-        for x in (0..grid.width.saturating_sub(1)).rev() {
-            self.take(segments, row + x, row + x + 1, grid.center(x, y));
-        }
+/// A rectangle of cells.
+struct Block {
+    x: usize,
+    y: usize,
+    width: usize,
+    height: usize,
+}
+
+impl Block {
+    /// Its middle, and the distance from there to the centre of a corner cell, metres.
+    fn middle(&self, grid: &Grid) -> (Point, f64) {
+        let size = Vector::new(self.width as f64 - 1.0, self.height as f64 - 1.0) * grid.cell;
+        (grid.center(self.x, self.y) + size / 2.0, size.norm() / 2.0)
     }
 
-    fn take(&mut self, segments: &[Segment], cell: usize, from: usize, at: Point) {
-        let offered = self.which[from];
-        // Most neighbours share their nearest segment: nothing to measure then.
-        if offered == self.which[cell] || offered == u32::MAX {
-            return;
-        }
-        let square = segments[offered as usize].distance_squared(at) as f32;
-        if square < self.squared[cell] {
-            self.squared[cell] = square;
-            self.which[cell] = offered;
-        }
+    /// The block cut in two across its longer side.
+    fn halves(&self) -> [Option<Self>; 2] {
+        let cut = |length: usize| (length / 2).max(1);
+        let (near, far) = if self.width >= self.height {
+            let w = cut(self.width);
+            let near = Self { width: w, ..*self };
+            let far = Self {
+                x: self.x + w,
+                width: self.width - w,
+                ..*self
+            };
+            (near, far)
+        } else {
+            let h = cut(self.height);
+            let near = Self { height: h, ..*self };
+            let far = Self {
+                y: self.y + h,
+                height: self.height - h,
+                ..*self
+            };
+            (near, far)
+        };
+        [near, far].map(|b| (b.width > 0 && b.height > 0).then_some(b))
     }
 }
 

@@ -10,6 +10,7 @@ mod route;
 #[cfg(test)]
 pub(crate) mod rooms;
 
+pub(in crate::mapping) use hidden::Unswept;
 pub use hidden::{Coverage, HiddenDisc};
 
 use crate::geometry::index::SegmentIndex;
@@ -21,9 +22,9 @@ use crate::robot::Chassis;
 /// Arcs are cut into chords within this, metres: far below what a switch can tell.
 const SAGITTA: f64 = 0.0003;
 /// Pitch of the raster, metres, for places up to about 100 m².
-const CELL: f64 = 0.02;
+const CELL: f64 = 0.025;
 /// Cells at most: larger places get a coarser raster, and the same time.
-const MOST_CELLS: f64 = 250_000.0;
+const MOST_CELLS: f64 = 160_000.0;
 /// Pitch of the buckets that hold walls, metres.
 const BUCKET: f64 = 0.25;
 
@@ -95,14 +96,23 @@ impl Floor {
     /// Distance from `p` to the boundary alone, metres; negative outside.
     #[must_use]
     pub fn wall_clearance(&self, p: Point) -> f64 {
-        let distance = self.walls.distance(p, f64::INFINITY);
-        let known = f64::from(self.wall[self.grid.index(p)]);
+        let (known, off) = self.nearest_cell(p);
+        let known = f64::from(self.wall[known]);
+        // The raster bounds the distance, so that one look is enough.
+        let most = known.abs() + off + 1e-5;
+        let distance = self.walls.distance_within(p, most);
         let within = if known.abs() > self.grid.cell {
             known > 0.0
         } else {
             odd_crossings(self.walls.segments(), p)
         };
         if within { distance } else { -distance }
+    }
+
+    /// The cell nearest to `p`, and how far away it is, metres.
+    fn nearest_cell(&self, p: Point) -> (usize, f64) {
+        let cell = self.grid.index(p);
+        (cell, (self.grid.point(cell) - p).norm())
     }
 
     /// Distance from `p` to the nearest object, metres; negative inside one, infinite without.
@@ -161,6 +171,12 @@ impl Floor {
     #[must_use]
     pub fn is_drivable(&self, p: Point) -> bool {
         self.drivable[self.grid.index(p)]
+    }
+
+    /// Whether any object stands on the floor.
+    #[must_use]
+    pub fn has_objects(&self) -> bool {
+        !self.objects.segments().is_empty()
     }
 
     /// Area of the floor that the body can reach as far as the boundary goes, square metres.

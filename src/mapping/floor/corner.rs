@@ -8,9 +8,10 @@ use crate::geometry::{Point, Segment, Vector};
 const ROUNDING: f64 = 1e-7;
 
 impl Floor {
-    /// Whether the centre can be within the body's radius of `p`, as far as the raster tells.
+    /// Whether the centre can be within the body's radius of `p` or of a place close to it, as far
+    /// as the raster tells: where the raster's maximum lies, the true one need not.
     pub(super) fn touches_near(&self, p: Point) -> bool {
-        self.any_touchable(p, self.radius + self.grid.cell)
+        self.any_touchable(p, self.radius + 3.0 * self.grid.cell)
     }
 
     fn any_touchable(&self, p: Point, radius: f64) -> bool {
@@ -23,83 +24,113 @@ impl Floor {
         found
     }
 
+    /// The corner around `p`, good for places within [`Corner::SPAN`] of it.
+    pub(super) fn corner(&self, p: Point) -> Corner {
+        let span = 2.0 * self.radius + Corner::SPAN;
+        let mut near: Vec<usize> = Vec::new();
+        self.walls.near(&Segment::new(p, p), span, |k| near.push(k));
+        near.sort_unstable();
+        near.dedup();
+        let walls: Vec<Segment> = near
+            .into_iter()
+            .map(|k| self.walls.segments()[k])
+            .filter(|wall| wall.distance_squared(p) < span * span)
+            .collect();
+        let mut corner = Corner {
+            around: p,
+            radius: self.radius,
+            curves: curves(&walls, self.radius),
+            walls,
+            tips: Vec::new(),
+        };
+        corner.find_tips(self);
+        corner
+    }
+}
+
+/// The walls around one place, and what of the centre's floor they leave.
+pub(super) struct Corner {
+    around: Point,
+    radius: f64,
+    walls: Vec<Segment>,
+    /// What bounds the centre's floor: walls moved inwards, circles around their ends.
+    curves: Vec<Curve>,
+    /// Where two of those meet on its rim.
+    tips: Vec<Point>,
+}
+
+impl Corner {
+    /// How far from its middle a corner can be asked, metres.
+    const SPAN: f64 = 0.06;
+
+    /// Whether `p` is close enough to be asked about.
+    pub(super) fn covers(&self, p: Point) -> bool {
+        (p - self.around).norm_squared() < Self::SPAN * Self::SPAN
+    }
+
     /// Distance from `p`, where the body cannot be centred, to the nearest place that it cannot
     /// touch, metres: its radius less the way from `p` to the nearest place of the centre.
     /// Negative where it cannot touch.
-    pub(super) fn corner_depth(&self, p: Point) -> f64 {
-        let mut near: Vec<usize> = Vec::new();
-        let here = Segment::new(p, p);
-        self.walls.near(&here, 2.0 * self.radius, |k| {
-            let square = self.walls.segments()[k].distance_squared(p);
-            if square < 4.0 * self.radius * self.radius && !near.contains(&k) {
-                near.push(k);
+    pub(super) fn depth(&self, p: Point) -> f64 {
+        let far = self.radius + 0.05;
+        let mut best = far * far;
+        for tip in &self.tips {
+            best = best.min((tip - p).norm_squared());
+        }
+        for curve in &self.curves {
+            let foot = curve.nearest(p);
+            let off = (foot - p).norm_squared();
+            if off < best && self.fits(foot) {
+                best = off;
             }
-        });
-        let walls: Vec<Segment> = near.iter().map(|&k| self.walls.segments()[k]).collect();
-        let mut rim = Rim {
-            floor: self,
-            walls: &walls,
-            p,
-            best: self.radius + 0.05,
-        };
-        let curves = rim.curves();
-        for (k, a) in curves.iter().enumerate() {
-            rim.offer(a.nearest(p));
-            for b in &curves[..k] {
-                for meeting in a.meetings(b).into_iter().flatten() {
-                    rim.offer(meeting);
+        }
+        self.radius - best.sqrt()
+    }
+
+    fn fits(&self, q: Point) -> bool {
+        let room = self.radius - ROUNDING;
+        self.walls
+            .iter()
+            .all(|wall| wall.distance_squared(q) >= room * room)
+    }
+
+    fn find_tips(&mut self, floor: &Floor) {
+        let span = self.radius + Self::SPAN;
+        let mut tips = Vec::new();
+        for (k, a) in self.curves.iter().enumerate() {
+            for b in &self.curves[..k] {
+                for q in a.meetings(b).into_iter().flatten() {
+                    let near = (q - self.around).norm_squared() < span * span;
+                    // The tip of a sharp corner may hold no cell for a while.
+                    if near && self.fits(q) && floor.any_touchable(q, 4.0 * floor.grid.cell) {
+                        tips.push(q);
+                    }
                 }
             }
         }
-        self.radius - rim.best
+        self.tips = tips;
+        // Feet on curves are taken only where the centre can be at all.
+        if !floor.any_touchable(self.around, span + floor.grid.cell) {
+            self.curves.clear();
+        }
     }
 }
 
-/// Looks for the place of the centre's floor nearest to `p`.
-struct Rim<'a> {
-    floor: &'a Floor,
-    walls: &'a [Segment],
-    p: Point,
-    /// Distance to the nearest place so far, metres.
-    best: f64,
-}
-
-impl Rim<'_> {
-    /// What bounds the centre's floor: a wall moved inwards, a circle around a wall's end.
-    fn curves(&self) -> Vec<Curve> {
-        let radius = self.floor.radius;
-        let mut curves = Vec::with_capacity(3 * self.walls.len());
-        for wall in self.walls {
-            let normal = crate::geometry::perp(wall.along / wall.length());
-            // Either side: outlines come in both orientations, and the wrong side never fits.
+/// Walls moved inwards by the radius, to either side because outlines come in both orientations
+/// and the wrong side never fits, and circles around their ends.
+fn curves(walls: &[Segment], radius: f64) -> Vec<Curve> {
+    let mut curves = Vec::with_capacity(3 * walls.len());
+    for wall in walls {
+        let aside = crate::geometry::perp(wall.along / wall.length()) * radius;
+        for side in [aside, -aside] {
             curves.push(Curve::Line(Segment::new(
-                wall.from + normal * radius,
-                wall.to() + normal * radius,
+                wall.from + side,
+                wall.to() + side,
             )));
-            curves.push(Curve::Line(Segment::new(
-                wall.from - normal * radius,
-                wall.to() - normal * radius,
-            )));
-            curves.push(Curve::Circle(wall.from, radius));
         }
-        curves
+        curves.push(Curve::Circle(wall.from, radius));
     }
-
-    fn offer(&mut self, q: Point) {
-        let off = (q - self.p).norm();
-        if off >= self.best {
-            return;
-        }
-        let room = self.floor.radius - ROUNDING;
-        let fits = self
-            .walls
-            .iter()
-            .all(|wall| wall.distance_squared(q) >= room * room);
-        // The tip of a sharp corner may hold no cell for a while.
-        if fits && self.floor.any_touchable(q, 4.0 * self.floor.grid.cell) {
-            self.best = off;
-        }
-    }
+    curves
 }
 
 enum Curve {

@@ -6,10 +6,12 @@
 //! distance to the path - (r + d)). The raster gives the neighbourhood of each maximum and exact
 //! distances the rest, so its pitch hardly matters.
 
+use super::corner::Corner;
 use super::{Floor, reach};
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::raster::Nearest;
 use crate::geometry::{Point, Segment, Vector, cross};
+use std::cell::RefCell;
 
 /// The largest disc that may still hide something.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +26,9 @@ pub struct HiddenDisc {
 const STRAIGHT: f64 = 0.001;
 /// A maximum is followed up until it is known to this, metres.
 const FINE: f64 = 0.0005;
+
+/// Cells that differ by less than this are level, metres.
+const LEVEL: f32 = 1e-5;
 
 /// Where the centre has been: grows as the robot drives.
 #[derive(Debug, Clone, Default)]
@@ -180,16 +185,17 @@ pub(super) const DIRECTIONS: [Vector; 16] = {
 };
 
 /// The field of radii on one floor for one path.
-struct Unswept<'a> {
+pub(in crate::mapping) struct Unswept<'a> {
     floor: &'a Floor,
     path: SegmentIndex,
     /// For every cell the radius of the disc around it; a little too large where the body cannot
     /// be centred, because there the distance to the wall stands in for the corner's shape.
-    field: Vec<f32>,
+    pub(in crate::mapping) field: Vec<f32>,
+    corner: RefCell<Option<Corner>>,
 }
 
 impl<'a> Unswept<'a> {
-    fn new(floor: &'a Floor, path: Vec<Segment>) -> Self {
+    pub(in crate::mapping) fn new(floor: &'a Floor, path: Vec<Segment>) -> Self {
         let nearest = Nearest::new(&floor.grid, &path);
         let reach = floor.reach as f32;
         let field = nearest
@@ -202,11 +208,21 @@ impl<'a> Unswept<'a> {
             floor,
             path: SegmentIndex::new(path, 0.25),
             field,
+            corner: RefCell::new(None),
+        }
+    }
+
+    /// Depth of the corner at `p`; a climb asks again and again in one place.
+    fn corner_depth(&self, p: Point) -> f64 {
+        let mut corner = self.corner.borrow_mut();
+        match corner.as_ref() {
+            Some(known) if known.covers(p) => known.depth(p),
+            _ => corner.insert(self.floor.corner(p)).depth(p),
         }
     }
 
     /// Radius of the disc around `p`, exactly.
-    fn radius(&self, p: Point) -> f64 {
+    pub(in crate::mapping) fn radius(&self, p: Point) -> f64 {
         let floor = self.floor;
         let wall = floor.wall_clearance(p);
         if wall <= 0.0 {
@@ -214,19 +230,26 @@ impl<'a> Unswept<'a> {
         }
         let mut least = wall.min(floor.object_clearance(p));
         let most = least + floor.reach;
-        least = least.min(self.path.distance(p, most) - floor.reach);
+        least = least.min(self.path.distance_within(p, most) - floor.reach);
         if wall < floor.radius && least > 0.0 {
-            least = least.min(floor.corner_depth(p));
+            least = least.min(self.corner_depth(p));
         }
         least
     }
 
     /// The `most` largest discs of at least `diameter`, largest first: from each cell that is no
     /// smaller than those around it, uphill.
-    fn spots(&self, diameter: f64, most: usize) -> Vec<HiddenDisc> {
+    pub(in crate::mapping) fn spots(&self, diameter: f64, most: usize) -> Vec<HiddenDisc> {
         let slack = 0.75 * self.floor.grid.cell;
+        let mut least = diameter / 2.0 - slack;
+        if most == 1 {
+            // Where the body can be centred the raster is exact: no top below that matters.
+            let touchable = self.field.iter().zip(&self.floor.touchable);
+            let best = touchable.filter(|(_, on)| **on).map(|(&r, _)| r);
+            least = least.max(f64::from(best.fold(0.0, f32::max)) - slack);
+        }
         let mut tops: Vec<usize> = (0..self.field.len())
-            .filter(|&cell| f64::from(self.field[cell]) + slack > diameter / 2.0)
+            .filter(|&cell| f64::from(self.field[cell]) > least)
             .filter(|&cell| self.is_top(cell) && self.is_inside(cell))
             .collect();
         tops.sort_by(|&a, &b| self.field[b].total_cmp(&self.field[a]).then(a.cmp(&b)));
@@ -247,13 +270,17 @@ impl<'a> Unswept<'a> {
         found
     }
 
+    /// Whether a cell is no smaller than those around it; of a level ridge only the first cell is,
+    /// so that a long corridor does not count as a thousand maxima.
     fn is_top(&self, cell: usize) -> bool {
         let value = self.field[cell];
-        // Of a plateau, one cell in a few is enough; exact ties are rare off symmetric rooms.
         reach::neighbours(&self.floor.grid, cell)
             .into_iter()
             .flatten()
-            .all(|near| self.field[near] <= value)
+            .all(|near| {
+                let other = self.field[near];
+                other <= value + LEVEL && (near > cell || other < value - LEVEL)
+            })
     }
 
     /// Whether the body can touch something there: it fits, or it fits within its own radius.

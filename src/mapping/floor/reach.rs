@@ -88,17 +88,38 @@ fn component(grid: &Grid, open: &[bool], from: Point) -> Vec<bool> {
     let Some(seed) = nearest_open(grid, open, from) else {
         return found;
     };
-    found[seed] = true;
     let mut stack = vec![seed];
     while let Some(cell) = stack.pop() {
-        for near in neighbours(grid, cell).into_iter().flatten() {
-            if open[near] && !found[near] {
-                found[near] = true;
-                stack.push(near);
-            }
+        if !found[cell] {
+            fill_run(grid, open, cell, &mut found, &mut stack);
         }
     }
     found
+}
+
+/// Fills the run of open cells in the row of `cell` and stacks one cell of each run beside it.
+fn fill_run(grid: &Grid, open: &[bool], cell: usize, found: &mut [bool], stack: &mut Vec<usize>) {
+    let row = cell / grid.width * grid.width;
+    let (mut first, mut end) = (cell, cell + 1);
+    while first > row && open[first - 1] {
+        first -= 1;
+    }
+    while end < row + grid.width && open[end] {
+        end += 1;
+    }
+    found[first..end].fill(true);
+    let below = row.checked_sub(grid.width);
+    let above = (row + grid.width < open.len()).then_some(row + grid.width);
+    for other in [below, above].into_iter().flatten() {
+        let mut inside = false;
+        for k in other + (first - row)..other + (end - row) {
+            let fresh = open[k] && !found[k];
+            if fresh && !inside {
+                stack.push(k);
+            }
+            inside = fresh;
+        }
+    }
 }
 
 fn nearest_open(grid: &Grid, open: &[bool], from: Point) -> Option<usize> {

@@ -1,7 +1,8 @@
 //! Rooms that the tests of floor and plan share.
 
 use super::Floor;
-use crate::geometry::{Point, Ring, angle};
+use crate::geometry::{Piece, Point, Ring, angle};
+use crate::mapping::map::{Part, PartClass, Shape, ShapeClass};
 use crate::robot::Chassis;
 
 pub(crate) fn polygon(vertices: &[(f64, f64)]) -> Ring {
@@ -110,4 +111,20 @@ pub(crate) fn lap(boundary: &Ring, gap: f64) -> Vec<Point> {
     }
     path.push(path[0]);
     path
+}
+
+/// The shape of a polygonal room, as one part.
+pub(crate) fn shape(boundary: &Ring) -> Shape {
+    let part = Part {
+        class: PartClass::Concave,
+        ring: boundary.clone(),
+        cut: vec![false; boundary.pieces.len()],
+        circle: None,
+    };
+    Shape {
+        class: ShapeClass::Concave,
+        outline: boundary.clone(),
+        vertices: boundary.pieces.iter().map(Piece::from).collect(),
+        parts: vec![part],
+    }
 }

@@ -1,0 +1,224 @@
+//! The path plan (paper III.E): from the shape of the boundary to the lines that the robot is to
+//! drive, in order, with what each strategy costs and what may still hide after it. It knows
+//! shapes, known objects and what was driven so far; it refuses to know how lines are driven.
+
+mod circle;
+mod cover;
+mod drive;
+mod lanes;
+mod lean;
+mod order;
+mod paper;
+mod supplement;
+mod travel;
+
+pub use paper::lines as paper;
+pub use supplement::supplement;
+
+use super::floor::{Coverage, Floor, Unswept};
+use super::map::{LineReason, LineStatus, MappedObject, Plan, PlanFigures, PlanLine, Shape};
+use super::settings::{Settings, Strategy};
+use crate::geometry::{Point, Ring};
+
+/// The plan stays this much below α, metres, so that the promise survives driving it.
+pub(crate) const MARGIN: f64 = 0.01;
+
+/// What a plan is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct PlanRequest<'a> {
+    /// The boundary's shape.
+    pub shape: &'a Shape,
+    /// Objects known already.
+    pub objects: &'a [MappedObject],
+    /// Where the centre has been so far: the boundary's lap and what came before it.
+    pub driven: &'a [Point],
+    /// Where the robot stands.
+    pub from: Point,
+    /// α, strategy, seed and body.
+    pub settings: &'a Settings,
+}
+
+/// Makes the plan of the strategy chosen, and the figures of the others.
+#[must_use]
+pub fn make(request: &PlanRequest<'_>) -> Plan {
+    let settings = request.settings;
+    let rings: Vec<&Ring> = request.objects.iter().map(|o| &o.outline).collect();
+    let floor = Floor::new(
+        &request.shape.outline,
+        &rings,
+        &settings.chassis,
+        request.from,
+    );
+    make_on(&floor, request)
+}
+
+/// [`make`] on a floor that is there already.
+#[must_use]
+pub fn make_on(floor: &Floor, request: &PlanRequest<'_>) -> Plan {
+    let settings = request.settings;
+    let mut lines = paper::lines(floor, request.shape, settings.alpha, settings.seed);
+    let driven = Coverage::of(request.driven);
+    let work = Work {
+        floor,
+        shape: request.shape,
+        driven: &driven,
+        lap: Unswept::new(floor, driven.segments()),
+        from: request.from,
+        target: (settings.alpha - MARGIN).max(0.0),
+        alpha: settings.alpha,
+    };
+    let (mut order, mut figures, mut alternatives) = (Vec::new(), None, Vec::new());
+    for strategy in [Strategy::Paper, Strategy::Lean, Strategy::Lanes] {
+        let chosen = strategy == settings.strategy;
+        let outcome = work.outcome(strategy, &lines);
+        if chosen {
+            order.clone_from(&outcome.order);
+            figures = Some(outcome.figures);
+            if strategy == Strategy::Lanes {
+                lines.extend(outcome.extra);
+            }
+        } else {
+            alternatives.push(outcome.figures);
+        }
+    }
+    mark(&mut lines, &order);
+    let figures = figures.unwrap_or(PlanFigures {
+        strategy: settings.strategy,
+        lines: 0,
+        length: 0.0,
+        hidden_disc: 0.0,
+    });
+    Plan {
+        alpha: settings.alpha,
+        lines,
+        order,
+        figures,
+        alternatives,
+    }
+}
+
+/// Lines that the strategy does without are skipped as redundant.
+fn mark(lines: &mut [PlanLine], order: &[(u32, bool)]) {
+    let mut ordered: Vec<u32> = order.iter().map(|&(id, _)| id).collect();
+    ordered.sort_unstable();
+    for line in lines {
+        let planned = line.status == LineStatus::Planned;
+        if planned && ordered.binary_search(&line.id).is_err() {
+            line.status = LineStatus::Skipped;
+            line.reason = Some(LineReason::Redundant);
+        }
+    }
+}
+
+/// What all strategies work on.
+struct Work<'a> {
+    floor: &'a Floor,
+    shape: &'a Shape,
+    driven: &'a Coverage,
+    /// What that leaves.
+    lap: Unswept<'a>,
+    from: Point,
+    /// Diameter that no hidden disc may exceed where a line can help it, metres.
+    target: f64,
+    alpha: f64,
+}
+
+/// What a strategy comes to.
+struct Outcome {
+    order: Vec<(u32, bool)>,
+    figures: PlanFigures,
+    /// Lines that the paper's plan does not have.
+    extra: Vec<PlanLine>,
+}
+
+impl Work<'_> {
+    fn outcome(&self, strategy: Strategy, lines: &[PlanLine]) -> Outcome {
+        match strategy {
+            Strategy::Paper => {
+                let (order, length) = order::by_vertex(self, lines);
+                let driven = lean::essential(self, lines);
+                self.outcome_of(strategy, order, length, &driven)
+            }
+            Strategy::Lean => {
+                let chosen = lean::choose(self, lines);
+                let (order, length) = order::shortest(self, &chosen);
+                self.outcome_of(strategy, order, length, &chosen)
+            }
+            Strategy::Lanes => {
+                let first = lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
+                let (order, length, lanes) = lanes::plan(self, first);
+                let driven: Vec<&PlanLine> = lanes.iter().collect();
+                let outcome = self.outcome_of(strategy, order, length, &driven);
+                Outcome {
+                    extra: lanes,
+                    ..outcome
+                }
+            }
+        }
+    }
+
+    /// What driving `driven` in `order` comes to.
+    fn outcome_of(
+        &self,
+        strategy: Strategy,
+        order: order::Order,
+        length: f64,
+        driven: &[&PlanLine],
+    ) -> Outcome {
+        let mut coverage = self.driven.clone();
+        for line in driven {
+            drive::cover(self.floor, line, &mut coverage);
+        }
+        let hidden = coverage.largest(self.floor);
+        let figures = PlanFigures {
+            strategy,
+            lines: order.len(),
+            length,
+            hidden_disc: hidden.map_or(0.0, |disc| disc.diameter),
+        };
+        Outcome {
+            order,
+            figures,
+            extra: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod figures_tmp {
+    use super::*;
+    use crate::mapping::floor::rooms;
+    #[test]
+    fn figures_tmp() {
+        for (name, room) in [
+            ("5x4", rooms::rectangle(5.0, 4.0)),
+            ("ell", rooms::ell()),
+            ("flat", rooms::flat()),
+        ] {
+            for alpha in [0.5, 0.25, 0.1, 0.06] {
+                let shape = rooms::shape(&room);
+                let lap = rooms::lap(&room, 0.145);
+                let mut settings = Settings::new(crate::geometry::Pose::new(0.5, 0.5, 0.0));
+                settings.alpha = alpha;
+                let t = std::time::SystemTime::now();
+                let plan = make(&PlanRequest {
+                    shape: &shape,
+                    objects: &[],
+                    driven: &lap,
+                    from: Point::new(0.5, 0.145),
+                    settings: &settings,
+                });
+                println!(
+                    "{name} {alpha} entries {} planned {} {:?}",
+                    plan.lines.len(),
+                    plan.lines.iter().filter(|l| l.drive.is_some()).count(),
+                    t.elapsed().unwrap()
+                );
+                println!("   {:?}", plan.figures);
+                for a in &plan.alternatives {
+                    println!("   {a:?}");
+                }
+            }
+        }
+    }
+}

@@ -71,29 +71,26 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
         reach,
     };
     let mut freedom = vec![Freedom::Fit; runs.len()];
-    for _ in 0..12 {
-        let vertices = tidy(draw(&judge, runs, &freedom));
+    for _ in 0..40 {
+        let vertices = without_small_loops(tidy(draw(&judge, runs, &freedom)));
         let made = to_ring(&vertices);
-        let (points, owners) = chords(&made, &vertices);
-        let crossed = crossings(&points);
-        if crossed.is_empty() {
+        let (points, owners) = chords(&made);
+        let Some(&(i, k)) = crossings(&points).first() else {
             return (vertices.len() >= 2).then_some(made);
-        }
-        let mut changed = false;
-        for (i, k) in crossed {
-            for edge in [i, k] {
-                changed |= restrain(&mut freedom, owners[edge]);
-            }
-        }
-        if !changed {
+        };
+        let (a, b) = (vertices[owners[i]].run, vertices[owners[k]].run);
+        // The run with fewer contacts is the doubtful one.
+        let size = |n: usize| runs[n].last - runs[n].first;
+        let (doubtful, other) = if size(a) <= size(b) { (a, b) } else { (b, a) };
+        if !restrain(&mut freedom, doubtful) && !restrain(&mut freedom, other) {
             return uncrossed(points);
         }
     }
-    let vertices = tidy(draw(&judge, runs, &freedom));
-    uncrossed(chords(&to_ring(&vertices), &vertices).0)
+    let made = to_ring(&tidy(draw(&judge, runs, &freedom)));
+    uncrossed(chords(&made).0)
 }
 
-/// One step less freedom for a run and its neighbours.
+/// One step less freedom for a run; false when it has none left.
 fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
     let next = match freedom[run] {
         Freedom::Fit => Freedom::Linked,
@@ -102,6 +99,54 @@ fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
     let changed = next != freedom[run];
     freedom[run] = next;
     changed
+}
+
+/// Cuts off loops of a few centimetres where two straight pieces cross: what contacts out of
+/// order leave at a corner.
+fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
+    const SMALL: f64 = 0.15;
+    for _ in 0..50 {
+        let (points, owners) = chords(&to_ring(&vertices));
+        let count = points.len();
+        let loop_length = |i: usize, k: usize| -> f64 {
+            (i + 1..i + 1 + (k + count - i - 1) % count)
+                .map(|n| (points[(n + 1) % count] - points[n % count]).norm())
+                .sum()
+        };
+        let small = crossings(&points).into_iter().find_map(|(i, k)| {
+            let straight = |n: usize| vertices[owners[n]].bulge == 0.0;
+            let (from, to) = if loop_length(i, k) < SMALL {
+                (i, k)
+            } else if loop_length(k, i) < SMALL {
+                (k, i)
+            } else {
+                return None;
+            };
+            let at = meeting(points[i], points[(i + 1) % count], points[k], points[(k + 1) % count])?;
+            (straight(i) && straight(k)).then_some((owners[from], owners[to], at))
+        });
+        let Some((from, to, at)) = small else {
+            return vertices;
+        };
+        // Vertices after `from` up to and with `to` go; the piece of `to` leaves from the crossing.
+        let total = vertices.len();
+        let removed = (to + total - from) % total;
+        if removed + 3 > total {
+            return vertices;
+        }
+        vertices.rotate_left((from + 1) % total);
+        let run = vertices[removed - 1].run;
+        vertices.drain(..removed);
+        vertices.insert(0, Vertex { at, bulge: 0.0, run });
+    }
+    vertices
+}
+
+/// Where the straight lines a-b and c-d meet.
+fn meeting(a: Point, b: Point, c: Point, d: Point) -> Option<Point> {
+    let (u, v) = (b - a, d - c);
+    let sine = cross(u, v);
+    (sine.abs() > 1e-12).then(|| a + u * (cross(c - a, v) / sine))
 }
 
 /// All vertices of the ring.
@@ -200,16 +245,16 @@ fn to_ring(vertices: &[Vertex]) -> Ring {
     Ring { pieces }
 }
 
-/// The ring as points, and for each the run that the edge leaving it belongs to.
-fn chords(ring: &Ring, vertices: &[Vertex]) -> (Vec<Point>, Vec<usize>) {
+/// The ring as points, and for each the piece that the edge leaving it belongs to.
+fn chords(ring: &Ring) -> (Vec<Point>, Vec<usize>) {
     let mut points = Vec::new();
     let mut owners = Vec::new();
-    for (piece, vertex) in ring.pieces.iter().zip(vertices) {
+    for (index, piece) in ring.pieces.iter().enumerate() {
         let single = Ring {
             pieces: vec![*piece],
         };
         let part = single.to_points(SAGITTA);
-        owners.extend(std::iter::repeat_n(vertex.run, part.len()));
+        owners.extend(std::iter::repeat_n(index, part.len()));
         points.extend(part);
     }
     (points, owners)

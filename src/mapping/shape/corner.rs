@@ -10,7 +10,7 @@ use crate::geometry::{Point, Vector, angle, cross};
 /// Farthest an outer corner may lie beyond the contacts next to it, metres.
 const OUTER_REACH: f64 = 0.25;
 /// Farthest an inner corner may lie beyond what the body's roundness explains, metres.
-const INNER_SLACK: f64 = 0.12;
+const INNER_SLACK: f64 = 0.25;
 /// How far off an extended run may be at its corner for want of direction, metres.
 const UNCERTAIN: f64 = 0.008;
 

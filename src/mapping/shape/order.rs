@@ -95,9 +95,9 @@ impl Lifted {
 
     fn distance(&self, other: &Self) -> f64 {
         let planar = (self.point - other.point).norm_squared();
-        let turned = (self.side - other.side).norm_squared();
-        // Half a turn counts in full, small differences of bearing hardly at all.
-        (planar + turned * turned / (4.0 * SIDE * SIDE)).sqrt()
+        // Bearings up to a quarter turn apart happen on one face; beyond, it is another face.
+        let opposite = (-self.side.dot(&other.side)).max(0.0);
+        (planar + opposite).sqrt()
     }
 }
 

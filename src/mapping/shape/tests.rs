@@ -51,7 +51,7 @@ fn survey_all() {
 #[test]
 fn debug_one() {
     let truth = worlds::u_room();
-    let contacts = roll(&truth, Roll::new(0.0, 0));
+    let contacts = roll(&truth, Roll::new(0.0, 1));
     let ordered = order::along_wall(&contacts);
     let mut samples = samples(&ordered, LEAST_SIGMA);
     let sigma = noise(&samples);

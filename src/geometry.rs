@@ -9,12 +9,16 @@
 pub mod angle;
 pub mod fit;
 pub mod hull;
+pub mod index;
 pub mod pose;
+pub mod raster;
 pub mod ring;
+pub mod segment;
 pub mod simple;
 
 pub use pose::Pose;
 pub use ring::{Piece, Ring};
+pub use segment::Segment;
 
 /// A position in metres.
 pub type Point = nalgebra::Point2<f64>;

@@ -61,7 +61,11 @@ impl Walls {
             let t = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
             (a + along * t - p).norm_squared()
         };
-        self.0.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt()
+        self.0
+            .iter()
+            .map(distance)
+            .fold(f64::INFINITY, f64::min)
+            .sqrt()
     }
 
     /// The walls near `p`.
@@ -130,7 +134,11 @@ impl Walls {
 /// The contacts of one lap along `truth`, with some overlap.
 pub(super) fn roll(truth: &Ring, how: Roll) -> Vec<Contact> {
     let mut rng = ChaCha8Rng::seed_from_u64(how.seed);
-    let walls = Walls::of(&if how.outside { truth.reversed() } else { truth.clone() });
+    let walls = Walls::of(&if how.outside {
+        truth.reversed()
+    } else {
+        truth.clone()
+    });
     let mut centers: Vec<Point> = walls
         .touchable(KEPT, 0.005)
         .iter()
@@ -191,7 +199,10 @@ fn scan(
             let share = (REACH - here) / (next - here);
             let exact = angle::unit(angle::TAU * (k as f64 + share) / STEPS as f64);
             let range = near.ray(at, exact);
-            found.push((at + exact * (range + noise * sigma) + drift, ContactKind::Range));
+            found.push((
+                at + exact * (range + noise * sigma) + drift,
+                ContactKind::Range,
+            ));
             continue;
         } else {
             (inner + noise * 0.01, ContactKind::Edge)
@@ -243,7 +254,10 @@ pub(super) fn compare_with(ring: &Ring, truth: &Ring, radius: f64) -> Error {
     while y < high.y + 5.0 * step {
         let mut x = low.x - 4.37 * step;
         while x < high.x + 5.0 * step {
-            let (p, q) = (ring.contains(Point::new(x, y)), truth.contains(Point::new(x, y)));
+            let (p, q) = (
+                ring.contains(Point::new(x, y)),
+                truth.contains(Point::new(x, y)),
+            );
             both += f64::from(u8::from(p && q));
             either += f64::from(u8::from(p || q));
             x += step;

@@ -15,7 +15,4 @@ pub mod search;
 pub mod settings;
 pub mod shape;
 pub mod tour;
-pub mod plan;
-pub mod settings;
-pub mod shape;
 pub mod wall;

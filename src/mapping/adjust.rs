@@ -56,8 +56,17 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
-    let starts = [Vector3::zeros(), Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
-    let laid = Laid { early: &early, late: &late, centre, prior };
+    let starts = [
+        Vector3::zeros(),
+        Vector3::new(shift.x, shift.y, 0.0),
+        Vector3::new(shift.x, shift.y, turn),
+    ];
+    let laid = Laid {
+        early: &early,
+        late: &late,
+        centre,
+        prior,
+    };
     let (mut found, mut agreeing) = laid.closest(starts[0]);
     for start in &starts[1..] {
         let (other, agree) = laid.closest(*start);
@@ -65,8 +74,16 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
             (found, agreeing) = (other, agree);
         }
     }
-    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
-    Overlap { misclosure, agreement: agreeing as f64 / late.len().max(1) as f64 }
+    let misclosure = Misclosure {
+        dx: found.x,
+        dy: found.y,
+        heading: found.z,
+        lap,
+    };
+    Overlap {
+        misclosure,
+        agreement: agreeing as f64 / late.len().max(1) as f64,
+    }
 }
 
 /// Two looks at the same wall.
@@ -105,7 +122,9 @@ impl Laid<'_> {
                 normal += row * row.transpose() * weight;
                 right += row * ((off + row.dot(&found)) * weight);
             }
-            let Some(solution) = normal.lu().solve(&right) else { break };
+            let Some(solution) = normal.lu().solve(&right) else {
+                break;
+            };
             let change = (solution - found).norm();
             found = solution;
             if change < 1e-5 {

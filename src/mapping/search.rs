@@ -313,7 +313,8 @@ pub fn lap_contacts(
         let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
         seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
     };
-    wall.log()
+    let mut contacts: Vec<super::map::Contact> = wall
+        .log()
         .iter()
         .filter(|seen| seen.alive && towards(seen))
         .filter(|seen| {
@@ -326,5 +327,10 @@ pub fn lap_contacts(
             contact.from = adjustment.place(contact.from, seen.time_us);
             contact
         })
-        .collect()
+        .collect();
+    // The fit expects the floor on the right of the order, as it is with the wall on the left.
+    if closure.side == Side::Right {
+        contacts.reverse();
+    }
+    contacts
 }

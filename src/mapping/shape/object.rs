@@ -18,14 +18,26 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
     if !closed {
         return (chain(contacts), ObjectClass::Open);
     }
-    let hull = hull(contacts);
     // The floor lies outside: the fitted ring runs clockwise round the solid.
     let ring = super::fitted(contacts, REACH)
-        .map(|ring| ring.reversed())
-        .filter(|ring| ring.area() > 0.6 * hull.area())
-        .unwrap_or(hull);
+        .or_else(|| super::chain::outline(contacts))
+        .map(Ring::counter_clockwise)
+        .filter(|ring| passes_contacts(ring, contacts))
+        .unwrap_or_else(|| hull(contacts));
     let class = class(&ring);
     (ring, class)
+}
+
+/// Whether nearly all contacts lie on the ring: else it is no picture of what was touched.
+fn passes_contacts(ring: &Ring, contacts: &[Contact]) -> bool {
+    let touched = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
+    let (on, all) = touched.fold((0, 0), |(on, all), contact| {
+        (
+            on + usize::from(ring.distance(contact.point) < 0.015),
+            all + 1,
+        )
+    });
+    ring.area().abs() > 1e-5 && on * 10 >= all * 9
 }
 
 fn class(ring: &Ring) -> ObjectClass {

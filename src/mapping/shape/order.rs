@@ -12,7 +12,7 @@ const WINDOW: usize = 24;
 const CHAIN: usize = 4;
 /// What turning to see the surface from the opposite side counts as, metres: keeps the two faces
 /// of a thin wall apart.
-const SIDE: f64 = 0.06;
+const SIDE: f64 = 0.4;
 /// How much wall at most is seen twice at the end of a lap, metres of travel.
 const OVERLAP: f64 = 1.6;
 
@@ -95,8 +95,9 @@ impl Lifted {
 
     fn distance(&self, other: &Self) -> f64 {
         let planar = (self.point - other.point).norm_squared();
-        // Bearings up to a quarter turn apart happen on one face; beyond, it is another face.
-        let opposite = (-self.side.dot(&other.side)).max(0.0);
+        // Bearings a quarter turn and more apart happen at one corner; far beyond, it is another
+        // face.
+        let opposite = (-self.side.dot(&other.side) - SIDE * SIDE / 2.0).max(0.0);
         (planar + opposite).sqrt()
     }
 }

@@ -248,11 +248,11 @@ pub(super) fn compare_with(ring: &Ring, truth: &Ring, radius: f64) -> Error {
     }
     errors.sort_by(f64::total_cmp);
     let (low, high) = truth.bounds().unwrap();
-    let step = ((high - low).norm() / 150.0).max(0.001);
+    let step = ((high - low).norm() / 151.7).max(0.001);
     let (mut both, mut either) = (0.0, 0.0);
-    let mut y = low.y - 5.0 * step;
+    let mut y = low.y - 4.71 * step;
     while y < high.y + 5.0 * step {
-        let mut x = low.x - 5.0 * step;
+        let mut x = low.x - 4.37 * step;
         while x < high.x + 5.0 * step {
             let (p, q) = (
                 ring.contains(Point::new(x, y)),

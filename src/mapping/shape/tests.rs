@@ -54,32 +54,3 @@ fn survey_all() {
         survey(name, &ring);
     }
 }
-
-#[test]
-fn debug_one() {
-    let truth = worlds::u_room();
-    let contacts = roll(&truth, Roll::new(0.0, 0));
-    let ordered = order::along_wall(&contacts);
-    let mut samples = samples(&ordered, LEAST_SIGMA);
-    let sigma = noise(&samples);
-    println!("sigma {sigma}");
-    let runs = segment::runs(&mut samples, sigma);
-    for run in &runs {
-        println!("{:?} ", run);
-        for s in &samples[run.first..=run.last] {
-            let tip = [Point::new(1.5, 1.5), Point::new(3.5, 1.5)]
-                .iter()
-                .map(|c| (c - s.point).norm())
-                .fold(f64::INFINITY, f64::min);
-            if tip < 0.25 {
-                println!(
-                    "   {:.4} {:.4} from {:.3} {:.3} edges {:?}",
-                    s.point.x, s.point.y, s.from.x, s.from.y, s.edges
-                );
-            }
-        }
-    }
-    for p in &outline(&contacts, REACH).unwrap().pieces {
-        println!("{p:?}");
-    }
-}

@@ -3,7 +3,8 @@
 
 use super::{RunRecord, boundary, closed_positions, position, rounded, surface_points};
 use crate::geometry::{Point, Pose};
-use crate::mapping::map::{LineStatus, MappedObject, Phase, PlanLine};
+use crate::mapping::map::{LineReason, LineStatus, MappedObject, Phase, PlanLine};
+use crate::mapping::settings::Strategy;
 use serde_json::{Map, Value, json};
 
 /// The record as the text of a GeoJSON file, one feature a line.
@@ -23,7 +24,14 @@ fn features(record: &RunRecord<'_>) -> Vec<Value> {
     all.extend(outline(record));
     all.extend(record.map.objects.iter().filter_map(object));
     if let Some(plan) = &record.map.plan {
-        all.extend(plan.lines.iter().map(plan_line));
+        // A shorter plan does without most of the paper's lines, which can be a hundred thousand;
+        // only the paper's own plan is told whole (figure 8).
+        let whole = plan.figures.strategy == Strategy::Paper;
+        let left_out = |line: &&PlanLine| {
+            line.reason == Some(LineReason::Redundant) || line.status == LineStatus::Rejected
+        };
+        let told = plan.lines.iter().filter(|line| whole || !left_out(line));
+        all.extend(told.map(plan_line));
     }
     all.extend(paths(record));
     all
@@ -236,7 +244,10 @@ mod tests {
 
     #[test]
     fn plan_lines_carry_their_entry_and_reason() {
-        let sample = sample::room();
+        let mut sample = sample::room();
+        if let Some(plan) = &mut sample.map.plan {
+            plan.figures.strategy = Strategy::Paper;
+        }
         let features = parsed(&sample.record());
         let lines = role(&features, "plan");
         assert_eq!(

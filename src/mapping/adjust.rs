@@ -136,20 +136,18 @@ impl Laid<'_> {
 }
 
 fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
-    let near: Vec<Point> = walls
-        .iter()
-        .copied()
-        .filter(|p| (p - point).norm() < 0.11)
-        .collect();
-    if near.len() < 3 {
+    let near: Vec<Point> = walls.iter().copied().filter(|p| (p - point).norm() < 0.1).collect();
+    if near.len() < 4 {
         return None;
     }
     let stretch = Stretch::through(&near)?;
-    let spread = near
-        .iter()
-        .map(|p| stretch.along.dot(&(p - stretch.at)).abs())
-        .fold(0.0, f64::max);
-    (stretch.residual < 0.004 && spread > 0.03).then_some(stretch)
+    let along = |p: Point| stretch.along.dot(&(p - stretch.at));
+    let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
+        (low.min(along(p)), high.max(along(p)))
+    });
+    // Beyond what was seen the wall may do anything.
+    let within = (low - 0.015..=high + 0.015).contains(&along(point));
+    (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)
 }
 
 /// How the trajectory moves when the misclosure is taken out.

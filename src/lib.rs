@@ -1,4 +1,5 @@
 //! Periplus: an operator console for robots that map a room by touch.
+pub mod console;
 pub mod geometry;
 pub mod mapping;
 pub mod robot;

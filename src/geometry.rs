@@ -7,11 +7,18 @@
 //! bits on every machine. Nothing here knows what a robot is.
 
 pub mod angle;
+pub mod fit;
+pub mod hull;
+pub mod index;
 pub mod pose;
+pub mod raster;
 pub mod ring;
+pub mod segment;
+pub mod simple;
 
 pub use pose::Pose;
 pub use ring::{Piece, Ring};
+pub use segment::Segment;
 
 /// A position in metres.
 pub type Point = nalgebra::Point2<f64>;

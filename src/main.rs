@@ -1,2 +1,10 @@
 //! The `periplus` program: see the library's crate documentation.
-fn main() {}
+
+use clap::Parser;
+use periplus::cli::Cli;
+use periplus::commands;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(commands::dispatch(Cli::parse()))
+}

@@ -3,10 +3,12 @@
 
 pub mod chassis;
 pub mod command;
+pub mod hardware;
 pub mod intent;
 pub mod telemetry;
 
 pub use chassis::{Chassis, SensorMount, SwitchSet};
 pub use command::{Command, CommandId, Guard, Motion};
+pub use hardware::Hardware;
 pub use intent::Intent;
 pub use telemetry::{DoneReason, Edge, Odometer, Telemetry};

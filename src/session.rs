@@ -1,3 +1,275 @@
 //! One step of the whole: mapping core, gate and records behind one door.
+//!
+//! Telemetry and intents go in; commands, stops and events come out. The session decides *whether*
+//! the robot may go on (run, pause, step, stop); the mission decides *how*.
+
 pub mod snapshot;
-pub use snapshot::{RunState, Snapshot};
+
+pub use snapshot::{Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
+
+use crate::mapping::event::{Event, EventKind, Severity};
+use crate::mapping::map::Phase;
+use crate::mapping::mission::{Mission, Outcome, Output};
+use crate::mapping::settings::Settings;
+use crate::robot::{Command, Intent, Telemetry};
+use crate::safety::Gate;
+use std::collections::VecDeque;
+
+/// What leaves the session.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outgoing {
+    /// To the robot.
+    Command(Command),
+    /// To the robot, past everything else.
+    Stop,
+    /// To the record.
+    Event(Event),
+    /// A phase ended: the record is worth keeping safe now.
+    PhaseEnded(Phase),
+}
+
+/// Events that are kept for the screen.
+const KEPT_EVENTS: usize = 500;
+
+/// A run, as the operator sees it.
+#[derive(Debug, Clone)]
+pub struct Session {
+    mission: Mission,
+    gate: Gate,
+    run: RunState,
+    until: Phase,
+    progress: [PhaseProgress; 4],
+    command: Option<(Command, &'static str)>,
+    events: VecDeque<Event>,
+    source: String,
+    heard: bool,
+    version: u64,
+}
+
+impl Session {
+    /// A run that ends with the phase `until`; `source` is what the screen calls the robot. It waits for the
+    /// operator.
+    #[must_use]
+    pub fn new(settings: Settings, source: String, until: Phase) -> Self {
+        Self {
+            gate: Gate::new(&settings.chassis),
+            mission: Mission::new(settings),
+            run: RunState::Paused,
+            until,
+            progress: [PhaseProgress::default(); 4],
+            command: None,
+            events: VecDeque::new(),
+            source,
+            heard: false,
+            version: 0,
+        }
+    }
+
+    /// The mapping core.
+    #[must_use]
+    pub fn mission(&self) -> &Mission {
+        &self.mission
+    }
+
+    /// Whether the robot may move, and on whose word.
+    #[must_use]
+    pub fn run_state(&self) -> RunState {
+        self.run
+    }
+
+    /// The four phases so far.
+    #[must_use]
+    pub fn progress(&self) -> &[PhaseProgress; 4] {
+        &self.progress
+    }
+
+    /// Counts up whenever anything that a snapshot shows has changed.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Takes one message of the robot and goes on if that is allowed.
+    pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Outgoing>) {
+        let phase = self.mission.phase() as usize;
+        let tracker = self.mission.tracker();
+        let (time, travelled) = (tracker.time_us(), tracker.travelled());
+        let mut outputs = Vec::new();
+        self.mission.telemetry(input, &mut outputs);
+        let tracker = self.mission.tracker();
+        self.progress[phase].seconds += tracker.time_us().saturating_sub(time) as f64 * 1e-6;
+        self.progress[phase].travel += tracker.travelled() - travelled;
+        self.heard = true;
+        self.version += 1;
+        if !self.mission.is_moving() {
+            self.command = None;
+        }
+        self.pass_on(outputs, out);
+        self.go_on(out);
+    }
+
+    /// Takes one wish of the operator.
+    pub fn intent(&mut self, intent: Intent, out: &mut Vec<Outgoing>) {
+        self.version += 1;
+        let over = matches!(self.run, RunState::Complete | RunState::Failed(_));
+        match intent {
+            Intent::Stop => {
+                out.push(Outgoing::Stop);
+                self.gate.latch();
+                if !over {
+                    self.run = RunState::Stopped;
+                }
+                self.note(EventKind::Stopped, out);
+            }
+            Intent::ClearStop if self.gate.is_latched() => {
+                self.gate.clear();
+                if !over {
+                    self.run = RunState::Paused;
+                }
+                self.note(EventKind::StopCleared, out);
+            }
+            Intent::ClearStop => {}
+            Intent::SetAlpha { alpha } => {
+                let mut outputs = Vec::new();
+                let taken = self.mission.set_alpha(alpha, &mut outputs);
+                self.pass_on(outputs, out);
+                if !taken {
+                    let why = "α stays: lines of this plan are driven already".to_owned();
+                    self.note(EventKind::Reason { why }, out);
+                }
+            }
+            Intent::Finish => {
+                out.push(Outgoing::Stop);
+                let mut outputs = Vec::new();
+                self.mission.finish(&mut outputs);
+                self.pass_on(outputs, out);
+                self.judge(out);
+            }
+            _ if over || self.gate.is_latched() => {}
+            Intent::Run => self.run = RunState::Running,
+            Intent::Pause => self.run = RunState::Paused,
+            Intent::StepCommand => self.run = RunState::Stepping(Step::Command),
+            Intent::StepEvent => self.run = RunState::Stepping(Step::Event),
+            Intent::StepPhase => self.run = RunState::Stepping(Step::Phase),
+        }
+        self.go_on(out);
+    }
+
+    /// Lets the mission decide as long as it is ready and allowed to.
+    fn go_on(&mut self, out: &mut Vec<Outgoing>) {
+        // Bounded: a mission that decides without ever moving is at fault, and stops here.
+        for _ in 0..1000 {
+            let may = matches!(self.run, RunState::Running | RunState::Stepping(_));
+            if !may || !self.heard || !self.mission.is_ready() {
+                break;
+            }
+            let mut outputs = Vec::new();
+            self.mission.proceed(&mut outputs);
+            self.version += 1;
+            self.pass_on(outputs, out);
+            if self.run == RunState::Stepping(Step::Command) {
+                self.run = RunState::Paused;
+            }
+            self.judge(out);
+        }
+    }
+
+    fn judge(&mut self, out: &mut Vec<Outgoing>) {
+        match self.mission.outcome() {
+            Outcome::Going => {}
+            Outcome::Complete => self.run = RunState::Complete,
+            Outcome::Failed(why) => self.run = RunState::Failed(why),
+        }
+        if self.progress[self.until as usize].done && self.mission.outcome() == Outcome::Going {
+            self.run = RunState::Complete;
+            self.note(EventKind::Complete, out);
+        }
+    }
+
+    fn pass_on(&mut self, outputs: Vec<Output>, out: &mut Vec<Outgoing>) {
+        for output in outputs {
+            match output {
+                Output::Command(command, why) => match self.gate.admit(command) {
+                    Ok(command) => {
+                        self.progress[self.mission.phase() as usize].commands += 1;
+                        self.command = Some((command, why));
+                        out.push(Outgoing::Command(command));
+                    }
+                    Err(refusal) => {
+                        self.run = RunState::Stopped;
+                        self.gate.latch();
+                        let why = format!("command refused: {refusal}");
+                        self.note(EventKind::Reason { why }, out);
+                    }
+                },
+                Output::Event(event) => self.happened(event, out),
+            }
+        }
+    }
+
+    fn note(&mut self, kind: EventKind, out: &mut Vec<Outgoing>) {
+        let time_us = self.mission.tracker().time_us();
+        self.happened(Event { time_us, kind }, out);
+    }
+
+    fn happened(&mut self, event: Event, out: &mut Vec<Outgoing>) {
+        if let EventKind::PhaseEnded { phase } = event.kind {
+            self.progress[phase as usize].done = true;
+            out.push(Outgoing::PhaseEnded(phase));
+            if self.run == RunState::Stepping(Step::Phase) {
+                self.run = RunState::Paused;
+            }
+        }
+        let stands_out = event.kind.severity() >= Severity::Notice;
+        if stands_out && self.run == RunState::Stepping(Step::Event) {
+            self.run = RunState::Paused;
+        }
+        if self.events.len() == KEPT_EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(event.clone());
+        out.push(Outgoing::Event(event));
+    }
+
+    /// The state at this instant, for the screen.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let tracker = self.mission.tracker();
+        let (switches, bumper) = self.mission.switches();
+        let view = RobotView {
+            pose: tracker.pose(),
+            position_sd: self.mission.position_sd(),
+            switches,
+            bumper,
+            moving: self.mission.is_moving(),
+        };
+        let mut progress = self.progress;
+        let current = self.mission.phase() as usize;
+        for (index, phase) in progress.iter_mut().enumerate() {
+            phase.share = if phase.done {
+                Some(1.0)
+            } else if index == current {
+                self.mission.share()
+            } else {
+                None
+            };
+        }
+        Snapshot {
+            time: tracker.time_us() as f64 * 1e-6,
+            phase: self.mission.phase(),
+            progress,
+            run: self.run,
+            robot: if self.heard {
+                Known::Known(view)
+            } else {
+                Known::Unknown
+            },
+            command: self.command.map(|(command, why)| (command, why.to_owned())),
+            map: self.mission.map_now(),
+            settings: self.mission.settings().clone(),
+            events: self.events.iter().cloned().collect(),
+            bumps: self.mission.bumps(),
+            source: self.source.clone(),
+        }
+    }
+}

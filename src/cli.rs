@@ -1,0 +1,246 @@
+//! The command line: what may be asked of the program and in which words. It parses and checks
+//! values; it runs nothing, opens only the settings files named to it, and knows neither clock
+//! nor screen.
+//!
+//! Lengths are in metres and angles in degrees here, and nowhere further in.
+
+pub mod chassis;
+pub mod config;
+pub mod error;
+pub mod settings_file;
+pub mod values;
+
+pub use error::ArgumentError;
+
+use crate::mapping::map::Phase;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+pub use values::{Common, FrameSize};
+
+/// Maps a room by touch, with a simulated or a real robot. Without a command it opens the console
+/// on a built-in world.
+#[derive(Debug, Clone, Parser)]
+#[command(name = "periplus", version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do; the console when nothing is said.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The console's own arguments, which need no command word.
+    #[command(flatten)]
+    pub console: ConsoleArgs,
+}
+
+/// The commands.
+#[derive(Debug, Clone, Subcommand)]
+pub enum Command {
+    /// Open the operator console
+    Console(ConsoleArgs),
+    /// Map without a terminal and write the results
+    Run(RunArgs),
+    /// A simulated robot that speaks the wire protocol
+    Robot(RobotArgs),
+    /// Open the console over a recorded run
+    Replay(ReplayArgs),
+    /// Print one frame of the console; needs no terminal
+    Snapshot(SnapshotArgs),
+    /// Write one result of a finished run in a given format
+    Export(ExportArgs),
+    /// Say what is wrong with world files and keymaps, and where
+    Check(CheckArgs),
+    /// List serial ports
+    Ports,
+}
+
+/// Where the robot is: simulated in a world, or behind a port.
+#[derive(Debug, Clone, Default, Args)]
+pub struct RobotChoice {
+    /// World file for the simulator: TOML or GeoJSON
+    #[arg(long, value_name = "FILE")]
+    pub world: Option<PathBuf>,
+    /// Serial port or tcp://HOST:PORT of a real robot
+    #[arg(long, value_name = "DEVICE", conflicts_with = "world")]
+    pub port: Option<String>,
+    /// Speed of the serial port
+    #[arg(long, value_name = "N", requires = "port")]
+    pub baud: Option<u32>,
+}
+
+/// Arguments of `console`.
+#[derive(Debug, Clone, Default, Args)]
+pub struct ConsoleArgs {
+    /// The robot.
+    #[command(flatten)]
+    pub robot: RobotChoice,
+    /// Key bindings instead of the built-in ones
+    #[arg(long, value_name = "FILE")]
+    pub keymap: Option<PathBuf>,
+    /// What every run can be told.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Clone, Args)]
+pub struct RunArgs {
+    /// The robot.
+    #[command(flatten)]
+    pub robot: RobotChoice,
+    /// Phase whose end completes the run
+    #[arg(long, value_name = "PHASE", value_parser = values::phase())]
+    pub until: Option<Phase>,
+    /// What every run can be told.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Arguments of `robot`.
+#[derive(Debug, Clone, Args)]
+pub struct RobotArgs {
+    /// World file for the simulator: TOML or GeoJSON
+    #[arg(long, value_name = "FILE")]
+    pub world: PathBuf,
+    /// Speak through a new pseudo-terminal, whose path is printed first
+    #[arg(long, conflicts_with = "port")]
+    pub pty: bool,
+    /// Speak through this serial port
+    #[arg(long, value_name = "DEVICE")]
+    pub port: Option<String>,
+    /// Times as fast as life
+    #[arg(long, value_name = "N")]
+    pub speed: Option<f64>,
+    /// What every run can be told.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Clone, Args)]
+pub struct ReplayArgs {
+    /// Folder of a recorded run
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// Key bindings instead of the built-in ones
+    #[arg(long, value_name = "FILE")]
+    pub keymap: Option<PathBuf>,
+}
+
+/// Arguments of `snapshot`.
+#[derive(Debug, Clone, Args)]
+pub struct SnapshotArgs {
+    /// World file for the simulator: TOML or GeoJSON
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "replay",
+        required_unless_present = "replay"
+    )]
+    pub world: Option<PathBuf>,
+    /// Run the world until this phase has ended
+    #[arg(
+        long,
+        value_name = "PHASE",
+        value_parser = values::phase(),
+        required_unless_present = "replay",
+        conflicts_with = "replay"
+    )]
+    pub until: Option<Phase>,
+    /// Folder of a recorded run
+    #[arg(long, value_name = "DIR", requires = "at")]
+    pub replay: Option<PathBuf>,
+    /// Instant of the recorded run, in simulated seconds
+    #[arg(long, value_name = "T", value_parser = values::seconds, requires = "replay")]
+    pub at: Option<f64>,
+    /// Size of the frame in columns and rows
+    #[arg(long, value_name = "COLSxROWS", value_parser = values::size)]
+    pub size: FrameSize,
+    /// How the frame is written
+    #[arg(long, value_enum, default_value_t = FrameFormat::Text)]
+    pub format: FrameFormat,
+    /// What every run can be told.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// How a frame is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FrameFormat {
+    /// Symbols only.
+    Text,
+    /// Symbols with terminal colours.
+    Ansi,
+    /// A picture.
+    Svg,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Clone, Args)]
+pub struct ExportArgs {
+    /// Folder of a finished run
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// What to write
+    #[arg(long, value_enum)]
+    pub format: ExportFormat,
+    /// Where to
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+/// What `export` can write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ExportFormat {
+    /// `map.geojson`.
+    Geojson,
+    /// `map.json`, the native form.
+    Json,
+    /// `map.svg`.
+    Svg,
+    /// `map.png`.
+    Png,
+    /// A ROS map.
+    Ros,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Clone, Args)]
+pub struct CheckArgs {
+    /// Worlds and keymaps
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+}
+
+impl RobotChoice {
+    /// The world file that was named, if any.
+    ///
+    /// # Errors
+    /// When a port was named: this version drives the simulator only.
+    pub fn world(&self) -> Result<Option<PathBuf>, ArgumentError> {
+        if self.port.is_some() {
+            return Err(ArgumentError::absent(
+                "--port",
+                "real robots cannot be driven yet; give --world FILE",
+            ));
+        }
+        Ok(self.world.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_table_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_console_needs_no_command_word() {
+        let cli = Cli::try_parse_from(["periplus", "--alpha", "0.3"]).expect("plain flags");
+        assert!(cli.command.is_none());
+        assert_eq!(cli.console.common.alpha, Some(0.3));
+        let cli = Cli::try_parse_from(["periplus", "console", "--seed", "7"]).expect("in words");
+        assert!(matches!(cli.command, Some(Command::Console(args)) if args.common.seed == Some(7)));
+    }
+}

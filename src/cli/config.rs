@@ -1,0 +1,75 @@
+//! `--config FILE`: the flags as a TOML table, with the same keys and the same words. Flags given
+//! on the command line win. Files that it names are relative to its own folder.
+
+use super::ArgumentError;
+use super::settings_file::{Entry, SettingsFile};
+use super::values::{self, Common};
+use crate::mapping::map::Phase;
+use std::path::{Path, PathBuf};
+
+/// What a config file may say besides the flags common to all commands.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Places {
+    /// World file.
+    pub world: Option<PathBuf>,
+    /// Key bindings.
+    pub keymap: Option<PathBuf>,
+    /// Phase whose end completes the run.
+    pub until: Option<Phase>,
+    /// Serial port or address of a real robot.
+    pub port: Option<String>,
+}
+
+const KEYS: [&str; 14] = [
+    "alpha", "plan", "contour", "noise", "seed", "start", "tape", "chassis", "out", "resume",
+    "world", "keymap", "until", "port",
+];
+
+/// Reads the file and fills in what `flags` leaves open.
+///
+/// # Errors
+/// When the file cannot be read, a key is unknown or a value is refused.
+pub fn read(path: &Path, flags: &mut Common) -> Result<Places, ArgumentError> {
+    let file = SettingsFile::open(path)?;
+    let table = file.table()?;
+    let mut places = Places::default();
+    for entry in file.entries(table.get_ref()) {
+        if !KEYS.contains(&entry.key.as_str()) {
+            return Err(file.unknown(&entry, &KEYS));
+        }
+        set(&file, &entry, flags, &mut places).map_err(|why| file.bad(&entry, &why))?;
+    }
+    Ok(places)
+}
+
+fn set(
+    file: &SettingsFile,
+    entry: &Entry<'_>,
+    flags: &mut Common,
+    places: &mut Places,
+) -> Result<(), String> {
+    let words = entry.words()?;
+    let text = words.as_str();
+    let path = || file.beside(text);
+    match entry.key.as_str() {
+        "alpha" => fill(&mut flags.alpha, values::alpha(text)?),
+        "plan" => fill(&mut flags.plan, values::named_strategy(text)?),
+        "contour" => fill(&mut flags.contour, values::named_contour(text)?),
+        "noise" => fill(&mut flags.noise, values::named_noise(text)?),
+        "seed" => fill(&mut flags.seed, values::seed(text)?),
+        "start" => fill(&mut flags.start, values::start(text)?),
+        "tape" => fill(&mut flags.tape, words),
+        "chassis" => fill(&mut flags.chassis, path()),
+        "out" => fill(&mut flags.out, path()),
+        "resume" => fill(&mut flags.resume, path()),
+        "world" => fill(&mut places.world, path()),
+        "keymap" => fill(&mut places.keymap, path()),
+        "until" => fill(&mut places.until, values::named_phase(text)?),
+        _ => fill(&mut places.port, words),
+    }
+    Ok(())
+}
+
+fn fill<T>(slot: &mut Option<T>, value: T) {
+    slot.get_or_insert(value);
+}

@@ -1,0 +1,273 @@
+//! The values that flags take: how each is written, and what is refused with which words.
+
+use super::{ArgumentError, chassis, config};
+use crate::geometry::{Pose, angle};
+use crate::mapping::map::Phase;
+use crate::mapping::settings::{Contour, Settings, Strategy};
+use crate::robot::Chassis;
+use crate::simulator::NoiseProfile;
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+
+/// What every run can be told. A value that is not given may still come from `--config`.
+#[derive(Debug, Clone, Default, PartialEq, Args)]
+pub struct Common {
+    /// Accuracy factor α in metres: no free-standing object that a disc of this diameter fits
+    /// inside is missed [default: 0.25]
+    #[arg(long, value_name = "M", value_parser = alpha, allow_negative_numbers = true)]
+    pub alpha: Option<f64>,
+    /// How the path plan is made [default: lean]
+    #[arg(long, value_name = "PLAN", value_parser = strategy())]
+    pub plan: Option<Strategy>,
+    /// How an object met on a line is gone round [default: full-loop]
+    #[arg(long, value_name = "CONTOUR", value_parser = contour())]
+    pub contour: Option<Contour>,
+    /// Noise of the simulated sensors [default: calibrated]
+    #[arg(long, value_name = "PROFILE", value_parser = noise())]
+    pub noise: Option<NoiseProfile>,
+    /// Seed of everything random [default: 1]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's]
+    #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
+    pub start: Option<Pose>,
+    /// A taped length between two points, metres
+    #[arg(long, value_name = "X,Y:X,Y=M", allow_hyphen_values = true)]
+    pub tape: Option<String>,
+    /// The robot's body, in TOML
+    #[arg(long, value_name = "FILE")]
+    pub chassis: Option<PathBuf>,
+    /// Values for the flags above, in TOML; flags win
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Folder for the results and the record
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Folder of an interrupted run to go on with
+    #[arg(long, value_name = "DIR")]
+    pub resume: Option<PathBuf>,
+}
+
+/// Size of a frame, in cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameSize {
+    /// Columns.
+    pub columns: u16,
+    /// Rows.
+    pub rows: u16,
+}
+
+impl Common {
+    /// The flags together with what the file named by `--config` adds to them; flags win.
+    ///
+    /// # Errors
+    /// When the file cannot be read or a key or value in it is wrong, or when a flag asks for
+    /// what this version does not have.
+    pub fn with_config(mut self) -> Result<(Self, config::Places), ArgumentError> {
+        let places = match self.config.take() {
+            Some(path) => config::read(&path, &mut self)?,
+            None => config::Places::default(),
+        };
+        if self.tape.is_some() {
+            return Err(ArgumentError::absent(
+                "--tape",
+                "a taped length cannot scale the map yet",
+            ));
+        }
+        if self.resume.is_some() {
+            return Err(ArgumentError::absent(
+                "--resume",
+                "an interrupted run cannot be taken up again yet; its record stays readable",
+            ));
+        }
+        Ok((self, places))
+    }
+
+    /// The robot's body: from `--chassis`, or the default.
+    ///
+    /// # Errors
+    /// When the chassis file cannot be read or is wrong.
+    pub fn body(&self) -> Result<Chassis, ArgumentError> {
+        self.chassis
+            .as_deref()
+            .map_or_else(|| Ok(Chassis::default()), chassis::read)
+    }
+
+    /// The settings of a run of the robot `body` from `start`.
+    pub fn settings(&self, start: Pose, body: Chassis) -> Settings {
+        let mut settings = Settings::new(start);
+        settings.alpha = self.alpha.unwrap_or(settings.alpha);
+        settings.strategy = self.plan.unwrap_or(settings.strategy);
+        settings.contour = self.contour.unwrap_or(settings.contour);
+        settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.chassis = body;
+        settings
+    }
+}
+
+/// A finite number.
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(format!("`{}` is not a finite number", text.trim())),
+        Err(_) => Err(format!("`{}` is not a number", text.trim())),
+    }
+}
+
+/// α: metres, above zero. Whether it fits the room is asked when the room is known.
+pub(super) fn alpha(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value < 0.01 => Err("α is a length of at least 0.01 m, such as 0.25".to_owned()),
+        value => Ok(value),
+    }
+}
+
+/// A time in seconds, not negative.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value < 0.0 => Err("a time is not negative".to_owned()),
+        value => Ok(value),
+    }
+}
+
+/// A start pose: x and y in metres, heading in degrees.
+pub(super) fn start(text: &str) -> Result<Pose, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let [x, y, degrees] = parts[..] else {
+        return Err("a start is X,Y,DEG: metres and degrees, such as 0.6,0.6,90".to_owned());
+    };
+    let heading = angle::wrap(number(degrees)?.to_radians());
+    Ok(Pose::new(number(x)?, number(y)?, heading))
+}
+
+/// A frame size such as 80x24.
+pub(super) fn size(text: &str) -> Result<FrameSize, String> {
+    let wrong = || "a size is COLSxROWS, such as 80x24, each from 1 to 1000".to_owned();
+    let (columns, rows) = text.split_once('x').ok_or_else(wrong)?;
+    let cells = |text: &str| match text.parse::<u16>() {
+        Ok(count @ 1..=1000) => Ok(count),
+        _ => Err(wrong()),
+    };
+    Ok(FrameSize {
+        columns: cells(columns)?,
+        rows: cells(rows)?,
+    })
+}
+
+const STRATEGIES: [(&str, Strategy); 3] = [
+    ("paper", Strategy::Paper),
+    ("lean", Strategy::Lean),
+    ("lanes", Strategy::Lanes),
+];
+const CONTOURS: [(&str, Contour); 2] = [
+    ("two-pass", Contour::TwoPass),
+    ("full-loop", Contour::FullLoop),
+];
+const NOISES: [(&str, NoiseProfile); 4] = [
+    ("none", NoiseProfile::None),
+    ("calibrated", NoiseProfile::Calibrated),
+    ("raw", NoiseProfile::Raw),
+    ("harsh", NoiseProfile::Harsh),
+];
+const PHASES: [(&str, Phase); 4] = [
+    ("boundary", Phase::Boundary),
+    ("shape", Phase::Shape),
+    ("plan", Phase::Plan),
+    ("objects", Phase::Objects),
+];
+
+/// One of a few names.
+fn one_of<T: Copy + Send + Sync + 'static>(
+    names: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(names.iter().map(|(name, _)| *name))
+        .try_map(|text| named(names, &text))
+}
+
+fn named<T: Copy>(names: &[(&str, T)], text: &str) -> Result<T, String> {
+    let found = names.iter().find(|(name, _)| *name == text);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let all: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
+        format!("`{text}` is none of {}", all.join(", "))
+    })
+}
+
+pub(super) fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    one_of(&STRATEGIES)
+}
+
+pub(super) fn contour() -> impl TypedValueParser<Value = Contour> {
+    one_of(&CONTOURS)
+}
+
+pub(super) fn noise() -> impl TypedValueParser<Value = NoiseProfile> {
+    one_of(&NOISES)
+}
+
+pub(super) fn phase() -> impl TypedValueParser<Value = Phase> {
+    one_of(&PHASES)
+}
+
+/// The same values, as a settings file gives them.
+pub(super) fn named_strategy(text: &str) -> Result<Strategy, String> {
+    named(&STRATEGIES, text)
+}
+
+/// As [`named_strategy`].
+pub(super) fn named_contour(text: &str) -> Result<Contour, String> {
+    named(&CONTOURS, text)
+}
+
+/// As [`named_strategy`].
+pub(super) fn named_noise(text: &str) -> Result<NoiseProfile, String> {
+    named(&NOISES, text)
+}
+
+/// As [`named_strategy`].
+pub(super) fn named_phase(text: &str) -> Result<Phase, String> {
+    named(&PHASES, text)
+}
+
+/// A seed.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_error| format!("`{text}` is not a whole number from 0 up"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_is_a_length_and_nothing_else() {
+        assert_eq!(alpha("0.25"), Ok(0.25));
+        for bad in ["0", "-0.2", "nan", "inf", "a lot", "", "1e-9"] {
+            assert!(alpha(bad).is_err(), "α of `{bad}` was taken");
+        }
+    }
+
+    #[test]
+    fn a_start_has_metres_and_degrees() {
+        let pose = start("0.5, -1, 90").expect("a pose");
+        assert!((pose.heading - angle::FRAC_PI_2).abs() < 1e-12);
+        assert_eq!((pose.position.x, pose.position.y), (0.5, -1.0));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
+            assert!(start(bad).is_err(), "start of `{bad}` was taken");
+        }
+    }
+
+    #[test]
+    fn sizes_are_columns_by_rows() {
+        assert_eq!(
+            size("80x24"),
+            Ok(FrameSize {
+                columns: 80,
+                rows: 24
+            })
+        );
+        for bad in ["80", "80x", "0x24", "80x99999", "x", "-1x5"] {
+            assert!(size(bad).is_err(), "size of `{bad}` was taken");
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! `periplus check`: one line for each file, `ok` or what is wrong and where.
+
+use super::{CommandError, glue, output};
+use crate::cli::CheckArgs;
+use crate::cli::settings_file::SettingsFile;
+use crate::robot::Chassis;
+use crate::simulator::World;
+use std::path::Path;
+
+/// Checks all files.
+///
+/// # Errors
+/// When standard output cannot be written.
+pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
+    let mut bad = false;
+    for path in &args.files {
+        let line = match verdict(path) {
+            Ok(kind) => format!("{}: ok, {kind}\n", path.display()),
+            Err(error) => {
+                bad = true;
+                format!("{error}\n")
+            }
+        };
+        output::print(&line)?;
+    }
+    Ok(if bad { 2 } else { 0 })
+}
+
+/// What the file is, when nothing is wrong with it.
+fn verdict(path: &Path) -> Result<&'static str, String> {
+    let extension = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or_default();
+    match extension {
+        // The reader of worlds says best why it reads no ROS maps.
+        "geojson" | "json" | "yaml" | "yml" => world(path),
+        "toml" => toml(path),
+        _ => Err(format!(
+            "{}: expected a world (.toml, .geojson) or a keymap (.toml)",
+            path.display()
+        )),
+    }
+}
+
+fn toml(path: &Path) -> Result<&'static str, String> {
+    let file = SettingsFile::open(path).map_err(|error| error.to_string())?;
+    let table = file.table().map_err(|error| error.to_string())?;
+    let keys = file.entries(table.get_ref());
+    let has = |key: &str| keys.iter().any(|entry| entry.key == key);
+    if has("boundary") {
+        return world(path);
+    }
+    if has("keys") {
+        return glue::check_keymap(path).map(|()| "keymap");
+    }
+    Err(format!(
+        "{}: neither a world, which has [boundary], nor a keymap, which has [keys]",
+        path.display()
+    ))
+}
+
+fn world(path: &Path) -> Result<&'static str, String> {
+    let radius = Chassis::default().radius;
+    World::load(path, radius)
+        .map(|_| "world")
+        .map_err(|error| error.to_string())
+}

@@ -1,0 +1,26 @@
+//! Results go to standard output, talk to standard error. A reader that has gone away is no
+//! reason to panic.
+
+use super::CommandError;
+use std::io::{self, ErrorKind, Write};
+
+/// Writes a result to standard output.
+///
+/// # Errors
+/// [`CommandError::ReaderGone`] when nobody reads any more.
+pub fn print(text: &str) -> Result<(), CommandError> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(CommandError::ReaderGone),
+        Err(source) => Err(CommandError::System {
+            what: "standard output",
+            source,
+        }),
+    }
+}
+
+/// Says something on standard error; that nobody listens is not an error.
+pub fn say(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}

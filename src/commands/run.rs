@@ -1,0 +1,84 @@
+//! `periplus run`: a whole run without a terminal.
+
+use super::{CommandError, glue, output, world};
+use crate::cli::{ArgumentError, RunArgs};
+use crate::journal::{Header, Journal};
+use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
+use std::path::Path;
+
+/// Maps, writes every result and gives the exit status.
+///
+/// # Errors
+/// When arguments or input are wrong, before anything is written.
+pub fn run(args: RunArgs) -> Result<u8, CommandError> {
+    let (common, places) = args.common.with_config()?;
+    let until = args.until.or(places.until);
+    if places.port.is_some() {
+        return Err(ArgumentError::absent("`port`", "give a world instead").into());
+    }
+    let world = args.robot.world()?.or(places.world);
+    let world = world.ok_or_else(|| missing("--world FILE"))?;
+    let out = common.out.clone().ok_or_else(|| missing("--out DIR"))?;
+    OutputFolder::refuse_taken(&out)?;
+
+    let world = world::load(&world, &common)?;
+    let noise = common.noise.unwrap_or_default();
+    let header = Header {
+        settings: common.settings(world.start, common.body()?),
+        source: world.name.clone(),
+        noise: noise.to_string(),
+        until,
+    };
+
+    let (folder, file) = OutputFolder::create(&out)?;
+    let journal = Journal::begin(file, &header).map_err(|source| CommandError::System {
+        what: "the record of the run",
+        source,
+    })?;
+    let mut runner = glue::simulated(&world, &header, noise, journal)?;
+    let signals = Signals::listen().map_err(|source| CommandError::System {
+        what: "listening for signals",
+        source,
+    })?;
+    let driven = drive(&mut *runner, &signals);
+    finish(&mut *runner, &driven, &folder)
+}
+
+/// Writes what is known, however the run ended.
+fn finish(
+    runner: &mut dyn Runner,
+    driven: &Driven,
+    folder: &OutputFolder,
+) -> Result<u8, CommandError> {
+    let mut status = driven.status();
+    if let Err(error) = runner.finish_journal() {
+        output::say(&format!(
+            "periplus: the record of the run is not whole: {error}"
+        ));
+        status = status.max(1);
+    }
+    let record = runner.record(&driven.ending, driven.wall_seconds);
+    for failure in folder.write_results(&record) {
+        output::say(&format!("periplus: {failure}"));
+        status = status.max(1);
+    }
+    let ending = &driven.ending;
+    let outcome = format!("{:?}", ending.outcome).to_lowercase();
+    output::print(&format!(
+        "{outcome}: {}; results in {}\n",
+        ending.reason,
+        shown(folder.path())
+    ))?;
+    Ok(status)
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn missing(flag: &'static str) -> ArgumentError {
+    ArgumentError::Missing {
+        command: "run",
+        flag,
+    }
+}

@@ -1,0 +1,129 @@
+//! What a run hands over: the map as GeoJSON, as a compact native file, as a picture, and a
+//! report. Every export is a pure function of a [`RunRecord`]; nothing here opens a file, knows
+//! the time or asks the robot. True poses from a simulator pass through [`geojson`] and are
+//! written nowhere else.
+
+pub mod geojson;
+pub mod native;
+pub mod picture;
+pub mod png;
+pub mod rectangle;
+pub mod report;
+pub mod strokes;
+pub mod svg;
+pub mod truth;
+
+use crate::geometry::{Point, Pose, Ring};
+use crate::mapping::map::{ContactKind, Phase, RoomMap};
+use crate::mapping::settings::Settings;
+use crate::session::snapshot::PhaseProgress;
+use serde::Serialize;
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// The goal was reached.
+    Complete,
+    /// The operator or a signal ended it.
+    Stopped,
+    /// It ended short of its goal.
+    Failed,
+}
+
+/// Everything that the exports may tell of a run, borrowed from whoever ran it.
+#[derive(Debug, Clone)]
+pub struct RunRecord<'a> {
+    /// The map.
+    pub map: &'a RoomMap,
+    /// What the run was started with.
+    pub settings: &'a Settings,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why, in words.
+    pub reason: &'a str,
+    /// Name of the world or of the port.
+    pub world: &'a str,
+    /// Name of the noise profile; empty for a real robot.
+    pub noise: &'a str,
+    /// The four phases in order.
+    pub progress: [PhaseProgress; 4],
+    /// Laps that closed, those round objects met in the search included.
+    pub laps: u32,
+    /// Bumper contacts.
+    pub bumps: u32,
+    /// Travel with the body against something, metres.
+    pub contact: f64,
+    /// With a simulator: where the body really was at the instants of `map.path`, vertex by
+    /// vertex, in the world's frame.
+    pub true_path: Option<&'a [Pose]>,
+    /// How long the run took on the wall clock, seconds.
+    pub wall_seconds: f64,
+}
+
+/// The phases in the order of [`RunRecord::progress`].
+pub const PHASES: [Phase; 4] = [Phase::Boundary, Phase::Shape, Phase::Plan, Phase::Objects];
+
+/// Chords of exported arcs stay within this of the arc, metres. A little under the promised
+/// millimetre, so that rounding the coordinates cannot break the promise.
+const SAGITTA: f64 = 0.0009;
+
+/// `value` rounded to `decimals` decimals, with no negative zero.
+fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    let near = (value * scale).round() / scale;
+    if near == 0.0 { 0.0 } else { near }
+}
+
+/// A point as exported: x and y in metres, to a tenth of a millimetre.
+fn position(point: Point) -> [f64; 2] {
+    [rounded(point.x, 4), rounded(point.y, 4)]
+}
+
+/// The outline as an exported ring of positions, closed by repeating the first; none when fewer
+/// than three positions differ.
+fn closed_positions(ring: &Ring) -> Option<Vec<[f64; 2]>> {
+    let coarse = ring.to_points(SAGITTA);
+    // A circle hardly larger than the sagitta is cut into two chords, which enclose nothing.
+    let points = if coarse.len() < 8 && ring.pieces.len() < 3 {
+        ring.to_points(SAGITTA / 100.0)
+    } else {
+        coarse
+    };
+    let mut positions: Vec<[f64; 2]> = points.into_iter().map(position).collect();
+    positions.dedup();
+    while positions.len() > 1 && positions.first() == positions.last() {
+        positions.pop();
+    }
+    let first = *positions.first()?;
+    (positions.len() >= 3).then(|| {
+        positions.push(first);
+        positions
+    })
+}
+
+/// The boundary as it is known: the fitted outline, or before it is fitted the closed lap's
+/// contacts joined by straight pieces; none while the lap is open.
+#[must_use]
+pub fn boundary(map: &RoomMap) -> Option<Ring> {
+    if !map.closed {
+        return None;
+    }
+    if let Some(shape) = &map.shape {
+        return Some(shape.outline.clone());
+    }
+    let points = surface_points(map);
+    (points.len() >= 3).then(|| Ring::polygon(&points).counter_clockwise())
+}
+
+/// The boundary's contacts that lie on a surface, in order along the lap.
+fn surface_points(map: &RoomMap) -> Vec<Point> {
+    map.contacts
+        .iter()
+        .filter(|contact| contact.kind != ContactKind::Edge)
+        .map(|contact| contact.point)
+        .collect()
+}
+
+#[cfg(test)]
+pub(crate) mod sample;

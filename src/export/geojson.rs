@@ -1,0 +1,253 @@
+//! `map.geojson`: one feature collection in metres, in the map frame, that other programs (and
+//! whoever judges a map) read. It knows the roles of features and nothing of files.
+
+use super::{RunRecord, boundary, closed_positions, position, rounded, surface_points};
+use crate::geometry::{Point, Pose};
+use crate::mapping::map::{LineStatus, MappedObject, Phase, PlanLine};
+use serde_json::{Map, Value, json};
+
+/// The record as the text of a GeoJSON file, one feature a line.
+#[must_use]
+pub fn write(record: &RunRecord<'_>) -> String {
+    let features: Vec<String> = features(record).iter().map(Value::to_string).collect();
+    format!(
+        "{{\"type\":\"FeatureCollection\",\"name\":{},\"generator\":\"periplus {}\",\"features\":[\n{}\n]}}\n",
+        Value::from(record.world),
+        env!("CARGO_PKG_VERSION"),
+        features.join(",\n")
+    )
+}
+
+fn features(record: &RunRecord<'_>) -> Vec<Value> {
+    let mut all = vec![start(record.settings.start)];
+    all.extend(outline(record));
+    all.extend(record.map.objects.iter().filter_map(object));
+    if let Some(plan) = &record.map.plan {
+        all.extend(plan.lines.iter().map(plan_line));
+    }
+    all.extend(paths(record));
+    all
+}
+
+fn feature(role: &str, kind: &str, coordinates: impl Into<Value>, more: Value) -> Value {
+    let mut properties = Map::new();
+    properties.insert("role".to_owned(), role.into());
+    if let Value::Object(more) = more {
+        properties.extend(more);
+    }
+    json!({
+        "type": "Feature",
+        "properties": properties,
+        "geometry": { "type": kind, "coordinates": coordinates.into() },
+    })
+}
+
+fn start(pose: Pose) -> Value {
+    let heading = rounded(pose.heading, 6);
+    let at = json!(position(pose.position));
+    feature("start", "Point", at, json!({ "heading": heading }))
+}
+
+fn outline(record: &RunRecord<'_>) -> Option<Value> {
+    let known = boundary(record.map).and_then(|ring| closed_positions(&ring));
+    if let Some(ring) = known {
+        let more = json!({ "fitted": record.map.shape.is_some() });
+        return Some(feature("boundary", "Polygon", json!([ring]), more));
+    }
+    open("boundary_open", &surface_points(record.map), json!({}))
+}
+
+/// A line through points that do not close; none for fewer than two.
+fn open(role: &str, points: &[Point], more: Value) -> Option<Value> {
+    let line: Vec<[f64; 2]> = points.iter().copied().map(position).collect();
+    (line.len() >= 2).then(|| feature(role, "LineString", json!(line), more))
+}
+
+fn object(object: &MappedObject) -> Option<Value> {
+    let more = json!({ "id": object.id, "class": object.class, "closed": object.closed });
+    if object.closed {
+        let ring = closed_positions(&object.outline)?;
+        return Some(feature("object", "Polygon", json!([ring]), more));
+    }
+    // The closing chord of an open outline is nobody's surface, and is left out.
+    let mut chain = object.outline.to_points(super::SAGITTA);
+    if chain.len() < 2 {
+        chain = object
+            .contacts
+            .iter()
+            .map(|contact| contact.point)
+            .collect();
+    }
+    open("object_open", &chain, more)
+}
+
+fn plan_line(line: &PlanLine) -> Value {
+    let (from, to) = line.drive.unwrap_or((line.start, line.end));
+    let status = match line.status {
+        // A run that ended in the middle of a line has not driven it.
+        LineStatus::Driving => LineStatus::Planned,
+        other => other,
+    };
+    let more = json!({
+        "id": line.id,
+        "part": line.part,
+        "vertex": line.vertex,
+        "angle_deg": rounded(line.angle.to_degrees(), 4),
+        "status": status,
+        "reason": line.reason.map(|reason| reason.to_string()),
+        "wall_start": position(line.start),
+        "wall_end": position(line.end),
+    });
+    feature(
+        "plan",
+        "LineString",
+        json!([position(from), position(to)]),
+        more,
+    )
+}
+
+/// A vertex of the trajectory: believed and, with a simulator, true position.
+struct Vertex {
+    believed: [f64; 2],
+    truth: Option<[f64; 2]>,
+    boundary: bool,
+}
+
+/// The trajectory in stretches of one phase each. A stretch begins with the vertex that the one
+/// before it ends with; `true_path` has the same stretches with the same vertices.
+fn paths(record: &RunRecord<'_>) -> Vec<Value> {
+    let vertices = vertices(record);
+    let mut all = Vec::new();
+    let mut truths = Vec::new();
+    let mut first = 0;
+    while first + 1 < vertices.len() {
+        // A piece of trajectory belongs to the phase in which it ended.
+        let boundary = vertices[first + 1].boundary;
+        let run = vertices[first + 1..]
+            .iter()
+            .take_while(|vertex| vertex.boundary == boundary)
+            .count();
+        let stretch = &vertices[first..=first + run];
+        let more = json!({ "phase": if boundary { "boundary" } else { "objects" } });
+        let believed: Vec<[f64; 2]> = stretch.iter().map(|vertex| vertex.believed).collect();
+        all.push(feature("path", "LineString", json!(believed), more.clone()));
+        let truth: Option<Vec<[f64; 2]>> = stretch.iter().map(|vertex| vertex.truth).collect();
+        truths.extend(truth.map(|line| feature("true_path", "LineString", json!(line), more)));
+        first += run;
+    }
+    all.extend(truths);
+    all
+}
+
+fn vertices(record: &RunRecord<'_>) -> Vec<Vertex> {
+    let path = &record.map.path;
+    // A trajectory of another length cannot be laid beside this one vertex by vertex.
+    let truth = record.true_path.filter(|truth| truth.len() == path.len());
+    let mut vertices: Vec<Vertex> = Vec::with_capacity(path.len());
+    for (k, point) in path.iter().enumerate() {
+        let vertex = Vertex {
+            believed: position(point.pose.position),
+            truth: truth.map(|truth| position(truth[k].position)),
+            boundary: point.phase != Phase::Objects,
+        };
+        // Turning on the spot adds vertices that no reader can tell apart.
+        let same = vertices.len() > 1
+            && vertices.last().is_some_and(|last| {
+                last.believed == vertex.believed
+                    && last.truth == vertex.truth
+                    && last.boundary == vertex.boundary
+            });
+        if !same {
+            vertices.push(vertex);
+        }
+    }
+    vertices
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    fn parsed(record: &RunRecord<'_>) -> Vec<Value> {
+        let text = write(record);
+        let value: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{e}: {text}"));
+        value["features"].as_array().expect("features").clone()
+    }
+
+    fn role<'a>(features: &'a [Value], role: &str) -> Vec<&'a Value> {
+        features
+            .iter()
+            .filter(|feature| feature["properties"]["role"] == role)
+            .collect()
+    }
+
+    #[test]
+    fn paths_share_their_ends_and_true_paths_their_vertices() {
+        let sample = sample::room();
+        let features = parsed(&sample.record());
+        let paths = role(&features, "path");
+        let truths = role(&features, "true_path");
+        assert_eq!(paths.len(), 2, "one stretch for each phase that moves");
+        assert_eq!(truths.len(), 2, "the truth has the same stretches");
+        for (path, truth) in paths.iter().zip(&truths) {
+            let count = |f: &Value| f["geometry"]["coordinates"].as_array().map_or(0, Vec::len);
+            assert_eq!(count(path), count(truth), "vertex by vertex");
+        }
+        let line = |k: usize| {
+            paths[k]["geometry"]["coordinates"]
+                .as_array()
+                .expect("line")
+        };
+        assert_eq!(line(0).last(), line(1).first(), "no gap between stretches");
+    }
+
+    #[test]
+    fn arcs_stray_at_most_a_millimetre_from_their_chords() {
+        let sample = sample::room();
+        let features = parsed(&sample.record());
+        let column = role(&features, "object")[0];
+        let ring = column["geometry"]["coordinates"][0]
+            .as_array()
+            .expect("ring");
+        assert_eq!(ring.first(), ring.last(), "rings are closed");
+        for pair in ring.windows(2) {
+            let mid = |axis: usize| {
+                f64::midpoint(
+                    pair[0][axis].as_f64().expect("x"),
+                    pair[1][axis].as_f64().expect("x"),
+                )
+            };
+            let off = (Point::new(mid(0), mid(1)) - sample::COLUMN.0).norm();
+            let sagitta = sample::COLUMN.1 - off;
+            assert!(sagitta <= 0.001, "a chord strays {sagitta} m from its arc");
+        }
+    }
+
+    #[test]
+    fn an_open_lap_gives_no_boundary_polygon() {
+        let mut sample = sample::room();
+        sample.map.closed = false;
+        sample.map.shape = None;
+        let features = parsed(&sample.record());
+        assert!(role(&features, "boundary").is_empty(), "the lap is open");
+        assert_eq!(role(&features, "boundary_open").len(), 1);
+    }
+
+    #[test]
+    fn plan_lines_carry_their_entry_and_reason() {
+        let sample = sample::room();
+        let features = parsed(&sample.record());
+        let lines = role(&features, "plan");
+        assert_eq!(
+            lines.len(),
+            sample.map.plan.as_ref().expect("plan").lines.len()
+        );
+        let rejected = lines
+            .iter()
+            .find(|line| line["properties"]["status"] == "rejected")
+            .expect("a rejected line");
+        assert_eq!(rejected["properties"]["reason"], "runs along the boundary");
+        assert_eq!(rejected["properties"]["angle_deg"], 0.0);
+    }
+}

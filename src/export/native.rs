@@ -1,0 +1,371 @@
+//! `map.json`: the map itself in its smallest lossless form (paper IV.1). Arcs stay arcs; the
+//! trajectory, the contacts and the plan's lines are not part of it. Reads back what it writes.
+//!
+//! Outlines are lists of `[x, y]` or `[x, y, bulge]` as in world files: metres to a tenth of a
+//! millimetre, bulge = tan(sweep / 4) of the arc to the next vertex, positive counter-clockwise.
+
+use super::{RunRecord, boundary, rounded};
+use crate::geometry::{Piece, Point, Ring, angle};
+use crate::mapping::map::{ObjectClass, Part, PartClass, Plan, ShapeClass};
+use crate::mapping::settings::Strategy;
+use serde::{Deserialize, Serialize};
+
+/// The version of the format that this program writes, and the newest that it reads.
+pub const VERSION: u32 = 1;
+
+/// A map as it is kept in a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MapFile {
+    /// Version of the format.
+    pub periplus_map: u32,
+    /// Where it was made: name of the world or port.
+    pub name: String,
+    /// α, metres.
+    pub alpha: f64,
+    /// Gaps narrower than this were taken as closed, metres.
+    pub gap: f64,
+    /// Start pose: x, y in metres, heading in degrees counter-clockwise from +x.
+    pub start: [f64; 3],
+    /// Class of the shape, once it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub class: Option<ShapeClass>,
+    /// The wall line, counter-clockwise, once the lap is closed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<Outline>,
+    /// The parts of a complex shape; empty when there is only the whole.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartFile>,
+    /// Extrinsic objects.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectFile>,
+    /// The plan's figures, once there is a plan.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanFile>,
+}
+
+/// One part of a complex shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartFile {
+    /// What it is.
+    pub class: PartClass,
+    /// Its outline.
+    pub outline: Outline,
+    /// Which pieces of the outline are cuts through open floor, by index.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cuts: Vec<usize>,
+}
+
+/// One object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ObjectFile {
+    /// Its number.
+    pub id: u32,
+    /// What it looks like; `open` when not all of it was seen.
+    pub class: ObjectClass,
+    /// Its surface.
+    pub outline: Outline,
+}
+
+/// What the plan cost and promised.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PlanFile {
+    /// Which strategy.
+    pub strategy: Strategy,
+    /// Lines to be driven.
+    pub lines: usize,
+    /// Metres to drive.
+    pub length: f64,
+    /// Diameter of the hidden disc, metres.
+    pub hidden_disc: f64,
+}
+
+/// A closed outline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Outline {
+    /// A full circle.
+    Circle {
+        /// x and y of the centre and the radius, metres.
+        circle: [f64; 3],
+    },
+    /// Vertices, the last joined to the first.
+    Vertices(Vec<Vertex>),
+}
+
+/// One vertex and the piece that leads from it to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Vertex {
+    /// x, y and the bulge of the arc to the next vertex.
+    Arc([f64; 3]),
+    /// x and y; the next vertex is reached straight.
+    Line([f64; 2]),
+}
+
+/// Why a map file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum NativeError {
+    /// It is not JSON, or not of this form.
+    #[error("line {line}: not a map of periplus: {reason}")]
+    Form {
+        /// Line, from 1.
+        line: usize,
+        /// What the parser met.
+        reason: String,
+    },
+    /// It was written by a newer program.
+    #[error("format version {found} is newer than {VERSION}, the newest that this version reads")]
+    Newer {
+        /// The file's version.
+        found: u32,
+    },
+}
+
+impl MapFile {
+    /// The map of a run.
+    #[must_use]
+    pub fn of(record: &RunRecord<'_>) -> Self {
+        let map = record.map;
+        let start = record.settings.start;
+        let shape = map.shape.as_ref();
+        let parts = shape.map_or(&[][..], |shape| &shape.parts);
+        Self {
+            periplus_map: VERSION,
+            name: record.world.to_owned(),
+            alpha: record.settings.alpha,
+            gap: rounded(record.settings.chassis.passable_gap(), 4),
+            start: [
+                rounded(start.position.x, 4),
+                rounded(start.position.y, 4),
+                rounded(start.heading.to_degrees(), 4),
+            ],
+            class: shape.map(|shape| shape.class),
+            boundary: boundary(map).map(|ring| Outline::of(&ring)),
+            parts: if parts.len() > 1 {
+                parts.iter().map(PartFile::of).collect()
+            } else {
+                vec![]
+            },
+            objects: map
+                .objects
+                .iter()
+                .map(|object| ObjectFile {
+                    id: object.id,
+                    class: if object.closed {
+                        object.class
+                    } else {
+                        ObjectClass::Open
+                    },
+                    outline: Outline::of(&object.outline),
+                })
+                .collect(),
+            plan: map.plan.as_ref().map(PlanFile::of),
+        }
+    }
+
+    /// The text of the file, on one line.
+    #[must_use]
+    pub fn write(&self) -> String {
+        // Plain numbers, strings and lists: writing them to memory cannot fail.
+        let mut text = serde_json::to_string(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// When the text is no map, or one of a newer version.
+    pub fn parse(text: &str) -> Result<Self, NativeError> {
+        #[derive(Deserialize)]
+        struct Version {
+            periplus_map: u32,
+        }
+        let form = |error: serde_json::Error| NativeError::Form {
+            line: error.line(),
+            reason: error.to_string(),
+        };
+        let version: Version = serde_json::from_str(text).map_err(form)?;
+        if version.periplus_map > VERSION {
+            return Err(NativeError::Newer {
+                found: version.periplus_map,
+            });
+        }
+        serde_json::from_str(text).map_err(form)
+    }
+}
+
+impl PartFile {
+    fn of(part: &Part) -> Self {
+        let outline = Outline::of(&part.ring);
+        // Only pieces that are one vertex each keep their index; long arcs become two.
+        let whole = match &outline {
+            Outline::Vertices(vertices) => vertices.len() == part.ring.pieces.len(),
+            Outline::Circle { .. } => false,
+        };
+        let cuts = part
+            .cut
+            .iter()
+            .enumerate()
+            .filter(|&(_, &cut)| cut && whole);
+        Self {
+            class: part.class,
+            cuts: cuts.map(|(k, _)| k).collect(),
+            outline,
+        }
+    }
+}
+
+impl PlanFile {
+    fn of(plan: &Plan) -> Self {
+        Self {
+            strategy: plan.figures.strategy,
+            lines: plan.figures.lines,
+            length: rounded(plan.figures.length, 2),
+            hidden_disc: rounded(plan.figures.hidden_disc, 4),
+        }
+    }
+}
+
+impl Outline {
+    /// The outline of a ring.
+    #[must_use]
+    pub fn of(ring: &Ring) -> Self {
+        if let [
+            Piece::Arc {
+                center,
+                radius,
+                sweep,
+                ..
+            },
+        ] = ring.pieces[..]
+            && sweep.abs() > angle::TAU - 1e-6
+        {
+            let circle = [center.x, center.y, radius].map(|value| rounded(value, 4));
+            return Self::Circle { circle };
+        }
+        Self::Vertices(ring.pieces.iter().flat_map(vertices).collect())
+    }
+
+    /// The ring of an outline.
+    #[must_use]
+    pub fn ring(&self) -> Ring {
+        match self {
+            Self::Circle {
+                circle: [x, y, radius],
+            } => Ring::circle(Point::new(*x, *y), *radius),
+            Self::Vertices(vertices) => {
+                let piece = |k: usize| {
+                    let (from, bulge) = vertices[k].parts();
+                    let (to, _) = vertices[(k + 1) % vertices.len()].parts();
+                    Piece::with_bulge(from, to, bulge)
+                };
+                Ring {
+                    pieces: (0..vertices.len()).map(piece).collect(),
+                }
+            }
+        }
+    }
+}
+
+impl Vertex {
+    fn parts(self) -> (Point, f64) {
+        match self {
+            Self::Arc([x, y, bulge]) => (Point::new(x, y), bulge),
+            Self::Line([x, y]) => (Point::new(x, y), 0.0),
+        }
+    }
+}
+
+/// A piece as one vertex, or an arc of more than a half turn as two: its chord would be short,
+/// and rounding would move the arc.
+fn vertices(piece: &Piece) -> Vec<Vertex> {
+    let at = |point: Point| [rounded(point.x, 4), rounded(point.y, 4)];
+    match *piece {
+        Piece::Line { from, .. } => vec![Vertex::Line(at(from))],
+        Piece::Arc { sweep, .. } => {
+            let count = if sweep.abs() > angle::PI { 2 } else { 1 };
+            let bulge = rounded(angle::tan(sweep / f64::from(count) / 4.0), 6);
+            (0..count)
+                .map(|k| {
+                    let [x, y] = at(piece.at(f64::from(k) / f64::from(count)));
+                    Vertex::Arc([x, y, bulge])
+                })
+                .collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    #[test]
+    fn what_is_written_reads_back_the_same() {
+        let sample = sample::room();
+        let map = MapFile::of(&sample.record());
+        let back = MapFile::parse(&map.write()).expect("its own text");
+        assert_eq!(map, back);
+        let ring = back.boundary.expect("a boundary").ring();
+        assert!(
+            (ring.area() - sample::outline().area()).abs() < 1e-3,
+            "area {}",
+            ring.area()
+        );
+    }
+
+    #[test]
+    fn a_long_arc_survives_the_rounding() {
+        let keyhole = Ring {
+            pieces: vec![
+                Piece::Arc {
+                    center: Point::new(0.0, 0.0),
+                    radius: 2.0,
+                    start: 0.1,
+                    sweep: 6.0,
+                },
+                Piece::Line {
+                    from: Point::from(angle::unit(6.1) * 2.0),
+                    to: Point::from(angle::unit(0.1) * 2.0),
+                },
+            ],
+        };
+        let back = Outline::of(&keyhole).ring();
+        assert!(
+            (back.area() - keyhole.area()).abs() < 2e-3,
+            "area {}",
+            back.area()
+        );
+    }
+
+    #[test]
+    fn a_room_of_sixty_vertices_takes_about_a_kilobyte() {
+        let mut sample = sample::room();
+        let corners: Vec<Point> = (0..60)
+            .map(|k| {
+                let radius = if k % 2 == 0 { 4.0 } else { 3.1 };
+                Point::new(5.0, 5.0) + angle::unit(f64::from(k) * angle::TAU / 60.0) * radius
+            })
+            .collect();
+        sample.map.objects.clear();
+        sample.map.shape.as_mut().expect("a shape").outline = Ring::polygon(&corners);
+        sample
+            .map
+            .shape
+            .as_mut()
+            .expect("a shape")
+            .parts
+            .truncate(1);
+        let bytes = MapFile::of(&sample.record()).write().len();
+        assert!((900..1400).contains(&bytes), "{bytes} bytes");
+    }
+
+    #[test]
+    fn a_broken_or_newer_file_says_where_or_why() {
+        let error = MapFile::parse("{\n\"periplus_map\": }").expect_err("broken");
+        assert!(error.to_string().starts_with("line 2: "), "{error}");
+        let error = MapFile::parse("{\"periplus_map\": 9}").expect_err("newer");
+        assert!(error.to_string().contains("version 9 is newer"), "{error}");
+    }
+}

@@ -1,0 +1,307 @@
+//! `report.json`: the figures of a run. Keys and units are part of the program's contract.
+
+use super::{Outcome, PHASES, RunRecord, boundary, rectangle, rounded};
+use crate::mapping::map::{
+    Misclosure, ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
+};
+use crate::mapping::settings::{Contour, Strategy};
+use serde::Serialize;
+
+/// The report as the text of a JSON file. `map_bytes` is the size of `map.json`.
+#[must_use]
+pub fn write(record: &RunRecord<'_>, map_bytes: usize) -> String {
+    let report = Report::of(record, map_bytes);
+    // Plain numbers, strings and lists: writing them to memory cannot fail.
+    let mut text = serde_json::to_string_pretty(&report).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    outcome: Outcome,
+    reason: &'a str,
+    seed: u64,
+    world: &'a str,
+    noise: &'a str,
+    alpha_m: f64,
+    contour: Contour,
+    phases: Vec<PhaseFigures>,
+    boundary: Option<Boundary>,
+    shape: Option<ShapeFigures>,
+    plan: Option<PlanReport>,
+    objects: Vec<Object>,
+    passable_gap_m: f64,
+    bumps: u32,
+    contact_m: f64,
+    map_bytes: usize,
+    wall_s: f64,
+}
+
+#[derive(Serialize)]
+struct PhaseFigures {
+    name: Phase,
+    simulated_s: f64,
+    travel_m: f64,
+    commands: u32,
+    done: bool,
+}
+
+#[derive(Serialize)]
+struct Boundary {
+    perimeter_m: f64,
+    area_m2: f64,
+    /// Closed laps, those round objects met in the search included.
+    laps: u32,
+    misclosure: Option<MisclosureFigures>,
+}
+
+#[derive(Serialize)]
+struct MisclosureFigures {
+    dx_m: f64,
+    dy_m: f64,
+    heading_deg: f64,
+    /// N of 1:N; null when nothing was off.
+    ratio: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ShapeFigures {
+    class: ShapeClass,
+    vertices: usize,
+    parts: Vec<PartFigures>,
+}
+
+#[derive(Serialize)]
+struct PartFigures {
+    class: PartClass,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius_m: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct PlanReport {
+    #[serde(flatten)]
+    chosen: StrategyFigures,
+    /// Diameter of the hidden disc after what was really driven.
+    hidden_disc_driven_m: Option<f64>,
+    alternatives: Vec<StrategyFigures>,
+}
+
+#[derive(Serialize)]
+struct StrategyFigures {
+    strategy: Strategy,
+    lines: usize,
+    length_m: f64,
+    hidden_disc_m: f64,
+}
+
+#[derive(Serialize)]
+struct Object {
+    id: u32,
+    class: ObjectClass,
+    closed: bool,
+    x_m: f64,
+    y_m: f64,
+    width_m: f64,
+    length_m: f64,
+    area_m2: f64,
+}
+
+impl<'a> Report<'a> {
+    fn of(record: &RunRecord<'a>, map_bytes: usize) -> Self {
+        let map = record.map;
+        Self {
+            outcome: record.outcome,
+            reason: record.reason,
+            seed: record.settings.seed,
+            world: record.world,
+            noise: record.noise,
+            alpha_m: record.settings.alpha,
+            contour: record.settings.contour,
+            phases: phases(record),
+            boundary: outline(record),
+            shape: map.shape.as_ref().map(shape),
+            plan: map
+                .plan
+                .as_ref()
+                .map(|plan| plan_report(plan, map.hidden_disc)),
+            objects: objects(record),
+            passable_gap_m: rounded(record.settings.chassis.passable_gap(), 4),
+            bumps: record.bumps,
+            contact_m: rounded(record.contact, 4),
+            map_bytes,
+            wall_s: rounded(record.wall_seconds, 3),
+        }
+    }
+}
+
+fn phases(record: &RunRecord<'_>) -> Vec<PhaseFigures> {
+    PHASES
+        .into_iter()
+        .zip(record.progress)
+        .map(|(name, progress)| PhaseFigures {
+            name,
+            simulated_s: rounded(progress.seconds, 3),
+            travel_m: rounded(progress.travel, 4),
+            commands: progress.commands,
+            done: progress.done,
+        })
+        .collect()
+}
+
+fn outline(record: &RunRecord<'_>) -> Option<Boundary> {
+    let ring = boundary(record.map)?;
+    Some(Boundary {
+        perimeter_m: rounded(ring.perimeter(), 4),
+        area_m2: rounded(ring.area().abs(), 4),
+        laps: record.laps,
+        misclosure: record.map.misclosure.as_ref().map(misclosure),
+    })
+}
+
+fn misclosure(off: &Misclosure) -> MisclosureFigures {
+    let ratio = off.ratio();
+    MisclosureFigures {
+        dx_m: rounded(off.dx, 5),
+        dy_m: rounded(off.dy, 5),
+        heading_deg: rounded(off.heading.to_degrees(), 4),
+        ratio: ratio.is_finite().then(|| rounded(ratio, 0)),
+    }
+}
+
+fn shape(shape: &Shape) -> ShapeFigures {
+    let part = |part: &Part| PartFigures {
+        class: part.class,
+        radius_m: part.circle.map(|(_, radius)| rounded(radius, 4)),
+    };
+    ShapeFigures {
+        class: shape.class,
+        vertices: shape.vertices.len(),
+        parts: shape.parts.iter().map(part).collect(),
+    }
+}
+
+fn plan_report(plan: &Plan, driven: Option<f64>) -> PlanReport {
+    PlanReport {
+        chosen: strategy(&plan.figures),
+        hidden_disc_driven_m: driven.map(|disc| rounded(disc, 4)),
+        alternatives: plan.alternatives.iter().map(strategy).collect(),
+    }
+}
+
+fn strategy(figures: &PlanFigures) -> StrategyFigures {
+    StrategyFigures {
+        strategy: figures.strategy,
+        lines: figures.lines,
+        length_m: rounded(figures.length, 3),
+        hidden_disc_m: rounded(figures.hidden_disc, 4),
+    }
+}
+
+fn objects(record: &RunRecord<'_>) -> Vec<Object> {
+    let measured = |object: &crate::mapping::map::MappedObject| {
+        let size = rectangle::measure(&object.outline)?;
+        Some(Object {
+            id: object.id,
+            class: object.class,
+            closed: object.closed,
+            x_m: rounded(size.center.x, 4),
+            y_m: rounded(size.center.y, 4),
+            width_m: rounded(size.width, 4),
+            length_m: rounded(size.length, 4),
+            area_m2: rounded(size.area, 5),
+        })
+    };
+    record.map.objects.iter().filter_map(measured).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+    use serde_json::Value;
+
+    fn parsed(record: &RunRecord<'_>) -> Value {
+        let text = write(record, 1234);
+        serde_json::from_str(&text).unwrap_or_else(|e| panic!("{e}: {text}"))
+    }
+
+    #[test]
+    fn the_report_holds_every_promised_key() {
+        let report = parsed(&sample::room().record());
+        for key in [
+            "/outcome",
+            "/reason",
+            "/seed",
+            "/world",
+            "/alpha_m",
+            "/phases/0/name",
+            "/phases/3/simulated_s",
+            "/phases/3/travel_m",
+            "/phases/3/commands",
+            "/boundary/perimeter_m",
+            "/boundary/area_m2",
+            "/boundary/laps",
+            "/boundary/misclosure/dx_m",
+            "/boundary/misclosure/dy_m",
+            "/boundary/misclosure/heading_deg",
+            "/boundary/misclosure/ratio",
+            "/shape/class",
+            "/shape/vertices",
+            "/shape/parts/0/class",
+            "/plan/strategy",
+            "/plan/lines",
+            "/plan/length_m",
+            "/plan/hidden_disc_m",
+            "/plan/alternatives/0/strategy",
+            "/plan/alternatives/0/lines",
+            "/plan/alternatives/0/length_m",
+            "/plan/alternatives/0/hidden_disc_m",
+            "/objects/0/id",
+            "/objects/0/class",
+            "/objects/0/closed",
+            "/objects/0/x_m",
+            "/objects/0/y_m",
+            "/objects/0/width_m",
+            "/objects/0/length_m",
+            "/objects/0/area_m2",
+            "/passable_gap_m",
+            "/bumps",
+            "/contact_m",
+            "/map_bytes",
+            "/wall_s",
+        ] {
+            assert!(
+                report.pointer(key).is_some(),
+                "{key} is missing in {report:#}"
+            );
+        }
+        assert_eq!(report["outcome"], "complete");
+        assert_eq!(report["map_bytes"], 1234);
+    }
+
+    #[test]
+    fn what_is_not_known_is_null_and_never_a_number() {
+        let mut sample = sample::room();
+        sample.map = crate::mapping::map::RoomMap::default();
+        let report = parsed(&sample.record());
+        for key in ["boundary", "shape", "plan"] {
+            assert!(
+                report[key].is_null(),
+                "{key} of an empty map is {}",
+                report[key]
+            );
+        }
+    }
+
+    #[test]
+    fn a_perfect_lap_has_no_ratio() {
+        let mut sample = sample::room();
+        if let Some(off) = &mut sample.map.misclosure {
+            (off.dx, off.dy) = (0.0, 0.0);
+        }
+        let report = parsed(&sample.record());
+        assert!(report["boundary"]["misclosure"]["ratio"].is_null());
+    }
+}

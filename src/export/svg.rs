@@ -1,0 +1,158 @@
+//! `map.svg`: the picture one would show. Title and figures above, the map in the middle, scale
+//! bar and legend below. All labels are strokes, see [`super::strokes`].
+
+mod figures;
+mod layers;
+mod legend;
+
+use super::picture::Frame;
+use super::strokes::{Anchor, Lettering, Style, escaped};
+use super::{RunRecord, boundary};
+use crate::geometry::{Point, Vector, ring};
+use std::fmt::Write;
+
+/// What the picture shows besides walls and objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// The trajectory.
+    pub trajectory: bool,
+    /// The rejected lines of the plan, dashed (figure 8 of the paper).
+    pub rejected: bool,
+    /// Only the lines from this vertex (figures 6 and 8); none for all.
+    pub vertex: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            trajectory: true,
+            rejected: false,
+            vertex: None,
+        }
+    }
+}
+
+impl Options {
+    /// The plan as the paper's figures draw it: no trajectory, rejected lines dashed.
+    #[must_use]
+    pub fn plan_drawing() -> Self {
+        Self {
+            trajectory: false,
+            rejected: true,
+            vertex: None,
+        }
+    }
+}
+
+/// Colours, one for each meaning.
+mod color {
+    pub(super) const PAPER: &str = "#f7f5f0";
+    pub(super) const FLOOR: &str = "#ffffff";
+    pub(super) const WALL: &str = "#22303c";
+    pub(super) const SOLID: &str = "#cdd2d6";
+    pub(super) const INK: &str = "#22303c";
+    pub(super) const FAINT: &str = "#6b7782";
+    pub(super) const OBJECT: &str = "#f0d9b0";
+    pub(super) const OBJECT_EDGE: &str = "#9a6412";
+    pub(super) const PLANNED: &str = "#3b78c3";
+    pub(super) const DRIVEN: &str = "#2a9d74";
+    pub(super) const BLOCKED: &str = "#d9622b";
+    pub(super) const SKIPPED: &str = "#a3abb3";
+    pub(super) const REJECTED: &str = "#c8435a";
+    pub(super) const TRAIL: &str = "#8268b0";
+    pub(super) const START: &str = "#1f7a4d";
+}
+
+const TITLE: Style = Style {
+    height: 17.0,
+    weight: 0.13,
+    color: color::INK,
+};
+const FIGURES: Style = Style {
+    height: 9.0,
+    weight: 0.11,
+    color: color::FAINT,
+};
+/// Margin of the sheet, pixels.
+const MARGIN: f64 = 34.0;
+/// Least width of the sheet, pixels: the figures need it.
+const NARROWEST: f64 = 760.0;
+
+/// The record as the text of an SVG file.
+#[must_use]
+pub fn write(record: &RunRecord<'_>, options: &Options) -> String {
+    let mut letters = Lettering::default();
+    let (low, high) = extent(record);
+    let frame = Frame::around(low, high, (0.0, 0.0));
+    let width = (frame.width + 2.0 * MARGIN).max(NARROWEST);
+    let (head, below_head) = heading(record, width, &mut letters);
+    let frame = frame.moved(((width - frame.width) / 2.0, below_head));
+    let map = layers::draw(record, options, &frame, &mut letters);
+    let below_map = below_head + frame.height + 26.0;
+    let (foot, height) = legend::draw(record, options, &frame, (width, below_map), &mut letters);
+
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+         viewBox=\"0 0 {width:.0} {height:.0}\">\n<title>{}</title>\n",
+        escaped(record.world)
+    );
+    out.push_str(&letters.definitions());
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>",
+        color::PAPER
+    );
+    out.push_str(&head);
+    out.push_str(&map);
+    out.push_str(&foot);
+    out.push_str("</svg>\n");
+    out
+}
+
+/// The lowest and highest corner of everything that is drawn, with room for the walls, metres.
+fn extent(record: &RunRecord<'_>) -> (Point, Point) {
+    let mut points: Vec<Point> = vec![record.settings.start.position];
+    points.extend(record.map.path.iter().map(|point| point.pose.position));
+    points.extend(record.map.contacts.iter().map(|contact| contact.point));
+    for ring in boundary(record.map)
+        .iter()
+        .chain(record.map.objects.iter().map(|o| &o.outline))
+    {
+        points.extend(ring.bounds().map_or(vec![], |(low, high)| vec![low, high]));
+    }
+    points.retain(|point| point.iter().all(|value| value.is_finite()));
+    let (low, high) = ring::bounds(&points).unwrap_or_default();
+    let room = Vector::repeat(0.03 * (high - low).amax().max(1.0));
+    (low - room, high + room)
+}
+
+/// Title and figures, and the y below them.
+fn heading(record: &RunRecord<'_>, width: f64, letters: &mut Lettering) -> (String, f64) {
+    let title = shortened(record.world, width - 2.0 * MARGIN, TITLE.height);
+    let mut out = letters.text(&title, MARGIN, MARGIN + 14.0, Anchor::Start, TITLE);
+    let mut y = MARGIN + 36.0;
+    for line in figures::lines(record) {
+        let line = shortened(&line, width - 2.0 * MARGIN, FIGURES.height);
+        out.push_str(&letters.text(&line, MARGIN, y, Anchor::Start, FIGURES));
+        y += 17.0;
+    }
+    (out, y + 4.0)
+}
+
+/// `text` cut so that it is at most `widest` pixels wide.
+fn shortened(text: &str, widest: f64, height: f64) -> String {
+    let mut kept = text.to_owned();
+    while super::strokes::width(&kept, height) > widest && kept.pop().is_some() {}
+    if kept.len() < text.len() {
+        // Room for the dots that show that something is missing.
+        for _ in 0..4 {
+            kept.pop();
+        }
+        kept.push_str("...");
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests;

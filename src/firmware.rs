@@ -1,0 +1,240 @@
+//! The robot's own side: what turns a command into motion, and what stops it.
+//!
+//! Runs every 20 ms over a [`Hardware`]. Stops by itself on the guards of the command, on the
+//! bumper, on the time limit, when it is stalled, and when the host has been silent for 300 ms.
+//! Knows nothing of maps; decides nothing but when to stop.
+
+use crate::geometry::angle;
+use crate::robot::{
+    Chassis, Command, CommandId, DoneReason, Hardware, Motion, Odometer, Telemetry,
+};
+
+/// Length of a control step, seconds.
+pub const STEP: f64 = 0.02;
+/// Silence of the host after which the robot stops, seconds.
+pub const WATCHDOG: f64 = 0.3;
+/// Steps between two reports.
+const REPORT_STEPS: u32 = 5;
+
+#[derive(Debug, Clone, Copy)]
+struct Running {
+    command: Command,
+    begin: Odometer,
+    speed: f64,
+    ending: Option<DoneReason>,
+    still: u32,
+    last: Odometer,
+}
+
+/// The robot's control program.
+#[derive(Debug, Clone)]
+pub struct Firmware {
+    chassis: Chassis,
+    running: Option<Running>,
+    last_id: Option<CommandId>,
+    silent: f64,
+    steps: u32,
+}
+
+impl Firmware {
+    /// For a robot with `chassis`.
+    #[must_use]
+    pub fn new(chassis: &Chassis) -> Self {
+        Self {
+            chassis: chassis.clone(),
+            running: None,
+            last_id: None,
+            silent: 0.0,
+            steps: 0,
+        }
+    }
+
+    /// Begins a motion. A repeated id is the same command and changes nothing.
+    pub fn command(&mut self, command: Command, hardware: &impl Hardware) {
+        self.silent = 0.0;
+        if self.last_id == Some(command.id) {
+            return;
+        }
+        self.last_id = Some(command.id);
+        let begin = hardware.odometer();
+        self.running = Some(Running {
+            command,
+            begin,
+            speed: 0.0,
+            ending: None,
+            still: 0,
+            last: begin,
+        });
+    }
+
+    /// The host is there.
+    pub fn heartbeat(&mut self) {
+        self.silent = 0.0;
+    }
+
+    /// Brakes at once.
+    pub fn stop(&mut self) {
+        self.end(DoneReason::Stopped);
+    }
+
+    /// Whether a motion is under way.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.running.is_some()
+    }
+
+    fn end(&mut self, reason: DoneReason) {
+        if let Some(running) = &mut self.running {
+            running.ending = running.ending.or(Some(reason));
+        }
+    }
+
+    /// One control step: reads the hardware, sets the drive, says what happened to `tell`, which is
+    /// also given the hardware as it was at that instant.
+    pub fn step<H: Hardware>(&mut self, hardware: &mut H, mut tell: impl FnMut(Telemetry, &H)) {
+        self.silent += STEP;
+        self.steps += 1;
+        while let Some(edge) = hardware.take_edge() {
+            tell(Telemetry::Edge(edge), hardware);
+            if let Some(running) = &mut self.running {
+                let guard = running.command.guard;
+                let watched = if edge.rising { guard.rise } else { guard.fall };
+                if watched.has(edge.sensor) {
+                    let reason = DoneReason::Guard {
+                        sensor: edge.sensor,
+                        rising: edge.rising,
+                    };
+                    running.ending = running.ending.or(Some(reason));
+                }
+            }
+        }
+        if self.silent > WATCHDOG {
+            self.end(DoneReason::HostSilent);
+        }
+        if let Some(done) = self.control(hardware) {
+            tell(done, hardware);
+        } else if self.steps.is_multiple_of(REPORT_STEPS) {
+            let (odometer, switches) = (hardware.odometer(), hardware.switches());
+            tell(
+                Telemetry::Report {
+                    odometer,
+                    switches,
+                    bumper: hardware.bumper(),
+                },
+                hardware,
+            );
+        }
+    }
+
+    fn control(&mut self, hardware: &mut impl Hardware) -> Option<Telemetry> {
+        let mut running = self.running?;
+        let now = hardware.odometer();
+        let elapsed = now.time_us.saturating_sub(running.begin.time_us) as f64 * 1e-6;
+        let (left, most, acceleration) = self.remaining(&running, &now);
+        self.watch(&mut running, hardware, elapsed);
+        let rest = matches!(running.command.motion, Motion::Rest);
+        let complete = !rest && left.abs() < 1e-4 && running.speed.abs() <= acceleration * STEP;
+        let hit = matches!(
+            running.ending,
+            Some(DoneReason::Bumper | DoneReason::Stalled)
+        );
+        let target = if running.ending.is_some() || rest {
+            0.0
+        } else {
+            let braking = (2.0 * acceleration * left.abs()).sqrt();
+            most.min(braking).min(left.abs() / STEP) * left.signum()
+        };
+        let change = acceleration * STEP;
+        running.speed = if hit {
+            0.0
+        } else if running.ending.is_some() {
+            running.speed - running.speed.clamp(-change, change)
+        } else {
+            target.clamp(running.speed - change * 1.5, running.speed + change)
+        };
+        let ended = running.ending.or(complete.then_some(DoneReason::Complete));
+        if let Some(reason) = ended
+            && (running.speed.abs() < 1e-9 || complete || rest)
+        {
+            hardware.drive(0.0, 0.0);
+            self.running = None;
+            return Some(Telemetry::Done {
+                id: running.command.id,
+                reason,
+                odometer: now,
+                switches: hardware.switches(),
+                bumper: hardware.bumper(),
+            });
+        }
+        match running.command.motion {
+            // The gyro holds the heading: half of what it is off is taken out in every step.
+            Motion::Move { .. } => {
+                let off = angle::wrap(running.begin.heading - now.heading);
+                hardware.drive(running.speed, (off * 0.5 / STEP).clamp(-0.5, 0.5));
+            }
+            Motion::Turn { .. } => hardware.drive(0.0, running.speed),
+            Motion::Rest => hardware.drive(0.0, 0.0),
+        }
+        running.last = now;
+        self.running = Some(running);
+        None
+    }
+
+    /// What remains of the motion, its highest speed and its acceleration, in its own unit (metres
+    /// or radians).
+    fn remaining(&self, running: &Running, now: &Odometer) -> (f64, f64, f64) {
+        match running.command.motion {
+            Motion::Move { distance, speed } => {
+                let ticks = now.left_ticks + now.right_ticks
+                    - running.begin.left_ticks
+                    - running.begin.right_ticks;
+                let done = ticks as f64 * self.chassis.tick / 2.0;
+                // Half of half a tick is all that can be told.
+                let left = distance - done;
+                let left = if left.abs() < self.chassis.tick / 2.0 {
+                    0.0
+                } else {
+                    left
+                };
+                (
+                    left,
+                    speed.min(self.chassis.speed),
+                    self.chassis.acceleration,
+                )
+            }
+            Motion::Turn { angle, rate } => {
+                let left = angle - (now.heading - running.begin.heading);
+                let acceleration = self.chassis.acceleration * 2.0 / self.chassis.wheel_base;
+                (left, rate.min(self.chassis.turn_rate), acceleration)
+            }
+            Motion::Rest => (0.0, 0.0, 1.0),
+        }
+    }
+
+    fn watch(&self, running: &mut Running, hardware: &impl Hardware, elapsed: f64) {
+        let ahead =
+            matches!(running.command.motion, Motion::Move { distance, .. } if distance > 0.0);
+        let moves = matches!(running.command.motion, Motion::Move { .. });
+        if ahead && hardware.bumper() {
+            running.ending = running.ending.or(Some(DoneReason::Bumper));
+        }
+        let now = hardware.odometer();
+        let stands = now.left_ticks == running.last.left_ticks
+            && now.right_ticks == running.last.right_ticks;
+        running.still = if moves && stands && running.speed.abs() > 0.05 {
+            running.still + 1
+        } else {
+            0
+        };
+        if running.still > 10 {
+            running.ending = running.ending.or(Some(DoneReason::Stalled));
+        }
+        if elapsed > running.command.time_limit {
+            let reason = match running.command.motion {
+                Motion::Rest => DoneReason::Complete,
+                _ => DoneReason::TimeLimit,
+            };
+            running.ending = running.ending.or(Some(reason));
+        }
+    }
+}

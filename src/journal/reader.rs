@@ -1,0 +1,217 @@
+//! Reading a record back. A torn tail, as a crash leaves it, is cut off and reported; damage
+//! anywhere else is an error, because a replay over a hole would tell a story that never was.
+
+use super::{Entry, Header, MAGIC, Record, VERSION};
+use crate::robot::{Odometer, SwitchSet, Telemetry};
+use std::path::{Path, PathBuf};
+
+/// A record that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// What the run was started with.
+    pub header: Header,
+    /// What happened, in order.
+    pub records: Vec<Record>,
+    /// What was cut off the end.
+    pub torn: Option<Torn>,
+}
+
+/// The end of a record that was not written whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Torn {
+    /// Line at which it was cut, from 1.
+    pub line: usize,
+    /// Bytes left out.
+    pub bytes: usize,
+}
+
+/// Why a record cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// It cannot be opened.
+    #[error("{}: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// It is something else.
+    #[error("{}: not a record of a run of periplus", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It was written by a newer program.
+    #[error("{}: format version {found} is newer than {VERSION}, the newest that this version reads", path.display())]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+    },
+    /// A line before the last is damaged.
+    #[error("{}:{line}: {why}; the record is whole up to there", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// Reads the record in a file, or in the file `journal` of a folder.
+///
+/// # Errors
+/// When the file cannot be opened, is no record, or is damaged before its end.
+pub fn read(path: &Path) -> Result<Recording, JournalError> {
+    let path = if path.is_dir() {
+        path.join("journal")
+    } else {
+        path.to_owned()
+    };
+    match std::fs::read(&path) {
+        Ok(bytes) => parse(&path, &bytes),
+        Err(error) => Err(JournalError::Unreadable {
+            path,
+            reason: error.to_string(),
+        }),
+    }
+}
+
+/// Reads a record from memory; `path` is for complaints only.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
+    let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
+    let header = header(path, lines.next().unwrap_or_default())?;
+    let mut records = Vec::new();
+    let mut torn: Option<(Torn, String)> = None;
+    for (index, line) in lines.enumerate() {
+        let number = index + 2;
+        if let Some((torn, why)) = &mut torn {
+            // A line that holds after one that does not: the damage is not at the end.
+            if unseal(line).is_ok() {
+                let (line, why) = (torn.line, std::mem::take(why));
+                return Err(JournalError::Damaged {
+                    path: path.to_owned(),
+                    line,
+                    why,
+                });
+            }
+            torn.bytes += line.len();
+            continue;
+        }
+        match record(line, records.len() as u64) {
+            Ok(record) => records.push(record),
+            Err(why) => {
+                let bytes = line.len();
+                torn = Some((
+                    Torn {
+                        line: number,
+                        bytes,
+                    },
+                    why,
+                ));
+            }
+        }
+    }
+    Ok(Recording {
+        header,
+        records,
+        torn: torn.map(|(torn, _)| torn),
+    })
+}
+
+fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {
+    let foreign = || JournalError::Foreign {
+        path: path.to_owned(),
+    };
+    let text = std::str::from_utf8(line).map_err(|_error| foreign())?;
+    let rest = text.strip_prefix(MAGIC).ok_or_else(foreign)?;
+    let version = rest
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse().ok());
+    match version {
+        Some(found) if found > VERSION => {
+            return Err(JournalError::Newer {
+                path: path.to_owned(),
+                found,
+            });
+        }
+        Some(_) => {}
+        None => return Err(foreign()),
+    }
+    let damaged = |why: String| JournalError::Damaged {
+        path: path.to_owned(),
+        line: 1,
+        why,
+    };
+    let text = unseal(line).map_err(damaged)?;
+    let payload = text.splitn(3, ' ').nth(2).unwrap_or_default();
+    serde_json::from_str(payload).map_err(|error| damaged(error.to_string()))
+}
+
+/// The text of a line without its checksum, when the checksum holds.
+fn unseal(line: &[u8]) -> Result<&str, String> {
+    let line = line.strip_suffix(b"\n").ok_or("the line does not end")?;
+    let split = line.len().checked_sub(9).ok_or("the line is too short")?;
+    let text = |bytes| std::str::from_utf8(bytes).map_err(|_error| "the line is not text");
+    let sum = text(&line[split..])?.strip_prefix(' ').unwrap_or_default();
+    let sum = u32::from_str_radix(sum, 16).map_err(|_error| "the line has no checksum")?;
+    let body = &line[..split];
+    if crc32fast::hash(body) == sum {
+        Ok(text(body)?)
+    } else {
+        Err("the checksum does not match".to_owned())
+    }
+}
+
+fn record(line: &[u8], expected: u64) -> Result<Record, String> {
+    let text = unseal(line)?;
+    let mut words = text.splitn(4, ' ');
+    let mut word = || words.next().ok_or("the line is too short");
+    let (sequence, time, kind, payload) = (word()?, word()?, word()?, word()?);
+    if sequence.parse() != Ok(expected) {
+        return Err(format!(
+            "record {sequence} where record {expected} should be"
+        ));
+    }
+    let time_us = time
+        .parse()
+        .map_err(|_error| format!("`{time}` is not a time"))?;
+    let entry = entry(kind, payload).map_err(|error| format!("payload: {error}"))?;
+    Ok(Record { time_us, entry })
+}
+
+fn entry(kind: &str, payload: &str) -> Result<Entry, String> {
+    let parsed = match kind {
+        "c" => serde_json::from_str(payload).map(Entry::Command),
+        "t" => serde_json::from_str(payload).map(Entry::Telemetry),
+        "r" => serde_json::from_str(payload).map(|row| Entry::Telemetry(report(row))),
+        "i" => serde_json::from_str(payload).map(Entry::Intent),
+        "e" => serde_json::from_str(payload).map(Entry::Event),
+        "p" => serde_json::from_str(payload).map(Entry::PhaseEnd),
+        other => return Err(format!("unknown kind `{other}`")),
+    };
+    parsed.map_err(|error| error.to_string())
+}
+
+fn report(
+    (time_us, left_ticks, right_ticks, heading, switches, bumper): (u64, i64, i64, f64, u16, u8),
+) -> Telemetry {
+    Telemetry::Report {
+        odometer: Odometer {
+            time_us,
+            left_ticks,
+            right_ticks,
+            heading,
+        },
+        switches: SwitchSet(switches),
+        bumper: bumper != 0,
+    }
+}

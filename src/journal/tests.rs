@@ -1,0 +1,178 @@
+//! The record is read back as it was written, whatever the crash left of its end.
+
+use super::*;
+use crate::geometry::Pose;
+use crate::mapping::event::EventKind;
+use crate::robot::{CommandId, DoneReason, Edge, Guard, Motion, Odometer, SwitchSet};
+use std::path::Path;
+
+fn header() -> Header {
+    Header {
+        settings: Settings::new(Pose::new(0.6, 0.6, 1.1)),
+        source: "a room".to_owned(),
+        noise: "calibrated".to_owned(),
+        until: Some(Phase::Plan),
+    }
+}
+
+fn records() -> Vec<Record> {
+    let odometer = Odometer {
+        time_us: 20_000,
+        left_ticks: -3,
+        right_ticks: 41,
+        heading: 0.1 + 0.2,
+    };
+    let command = Command {
+        id: CommandId(7),
+        motion: Motion::Move {
+            distance: 0.5,
+            speed: 0.2,
+        },
+        guard: Guard {
+            rise: SwitchSet(3),
+            fall: SwitchSet::EMPTY,
+        },
+        time_limit: 4.5,
+    };
+    let event = Event {
+        time_us: 20_000,
+        kind: EventKind::LapCandidate { off: 1.0 / 3.0 },
+    };
+    let report = Telemetry::Report {
+        odometer,
+        switches: SwitchSet(129),
+        bumper: true,
+    };
+    let edge = Telemetry::Edge(Edge {
+        sensor: 2,
+        rising: false,
+        odometer,
+    });
+    let done = Telemetry::Done {
+        id: CommandId(7),
+        reason: DoneReason::Guard {
+            sensor: 1,
+            rising: true,
+        },
+        odometer,
+        switches: SwitchSet(2),
+        bumper: false,
+    };
+    let entries = [
+        Entry::Intent(Intent::SetAlpha { alpha: 0.3 }),
+        Entry::Command(command),
+        Entry::Telemetry(report),
+        Entry::Telemetry(edge),
+        Entry::Telemetry(done),
+        Entry::Event(event),
+        Entry::PhaseEnd(PhaseEnd {
+            phase: Phase::Boundary,
+            state: u64::MAX - 5,
+        }),
+    ];
+    let at = |(k, entry)| Record {
+        time_us: k as u64 * 1000,
+        entry,
+    };
+    entries.into_iter().enumerate().map(at).collect()
+}
+
+fn written() -> Vec<u8> {
+    let mut journal = Journal::begin(Vec::new(), &header()).expect("memory takes a header");
+    for record in records() {
+        journal.record(&record);
+    }
+    journal.finish().expect("memory takes everything")
+}
+
+fn parse(bytes: &[u8]) -> Result<Recording, JournalError> {
+    reader::parse(Path::new("run/journal"), bytes)
+}
+
+#[test]
+fn what_is_written_is_read_back_bit_for_bit() {
+    let recording = parse(&written()).expect("a whole record");
+    assert_eq!(recording.header, header());
+    assert_eq!(recording.records, records());
+    assert_eq!(recording.torn, None);
+}
+
+#[test]
+fn a_record_cut_anywhere_after_its_header_loses_only_the_cut_line() {
+    let bytes = written();
+    let ends: Vec<usize> = (0..bytes.len())
+        .filter(|&k| bytes[k] == b'\n')
+        .map(|k| k + 1)
+        .collect();
+    for cut in ends[0]..bytes.len() {
+        let recording = parse(&bytes[..cut]).unwrap_or_else(|e| panic!("cut at byte {cut}: {e}"));
+        let whole = ends.iter().filter(|&&end| end <= cut).count() - 1;
+        assert_eq!(recording.records.len(), whole, "cut at byte {cut}");
+        let left = cut - ends[whole];
+        assert_eq!(
+            recording.torn.map_or(0, |torn| torn.bytes),
+            left,
+            "cut at byte {cut}"
+        );
+    }
+}
+
+#[test]
+fn damage_in_the_middle_is_refused_with_its_line() {
+    let mut bytes = written();
+    let third = bytes
+        .iter()
+        .enumerate()
+        .filter(|(_, b)| **b == b'\n')
+        .nth(1)
+        .expect("lines")
+        .0;
+    bytes[third + 8] ^= 1;
+    let error = parse(&bytes).expect_err("a hole");
+    assert!(error.to_string().starts_with("run/journal:3: "), "{error}");
+}
+
+#[test]
+fn other_files_and_newer_records_say_so() {
+    let error = parse(b"hello\n").expect_err("no record");
+    assert!(error.to_string().contains("not a record"), "{error}");
+    assert!(parse(b"").is_err(), "an empty file is no record");
+    let error = parse(b"periplus-journal 99 {} 00000000\n").expect_err("newer");
+    assert!(error.to_string().contains("version 99 is newer"), "{error}");
+}
+
+#[test]
+fn a_full_disk_is_remembered_and_does_not_stop_the_run() {
+    struct Full(usize);
+    impl std::io::Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            if self.0 == 0 {
+                return Err(std::io::Error::other("no space left"));
+            }
+            self.0 -= 1;
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    assert!(
+        Journal::begin(Full(0), &header()).is_err(),
+        "a header that nobody keeps"
+    );
+    let mut journal = Journal::begin(Full(1), &header()).expect("room for the header");
+    for record in records() {
+        journal.record(&record);
+    }
+    assert!(
+        journal.error().is_some(),
+        "the phase's end flushes, which fails"
+    );
+    assert!(journal.finish().is_err(), "the loss is told at the end");
+}
+
+#[test]
+fn states_that_differ_have_other_hashes() {
+    assert_eq!(state_hash(&(1.5, "a")), state_hash(&(1.5, "a")));
+    assert_ne!(state_hash(&(1.5, "a")), state_hash(&(1.5, "b")));
+}

@@ -1,0 +1,248 @@
+//! The free floor: how near walls and objects are, where the robot's centre can be, the way from
+//! one place to another, and what may still hide unseen. It knows outlines and the robot's size;
+//! it refuses to know phases, plans and how the outlines were found.
+
+mod corner;
+mod hidden;
+mod reach;
+mod route;
+
+#[cfg(test)]
+pub(crate) mod rooms;
+
+pub use hidden::{Coverage, HiddenDisc};
+
+use crate::geometry::index::SegmentIndex;
+use crate::geometry::raster::{Grid, Nearest, inside};
+use crate::geometry::segment::chords;
+use crate::geometry::{Point, Ring, Segment, ring};
+use crate::robot::Chassis;
+
+/// Arcs are cut into chords within this, metres: far below what a switch can tell.
+const SAGITTA: f64 = 0.0003;
+/// Pitch of the raster, metres, for places up to about 100 m².
+const CELL: f64 = 0.02;
+/// Cells at most: larger places get a coarser raster, and the same time.
+const MOST_CELLS: f64 = 250_000.0;
+/// Pitch of the buckets that hold walls, metres.
+const BUCKET: f64 = 0.25;
+
+/// The floor within the boundary, with the known objects standing on it.
+#[derive(Debug, Clone)]
+pub struct Floor {
+    /// Where the values of the rasters below are taken.
+    pub(crate) grid: Grid,
+    /// Radius of the body, metres.
+    pub(crate) radius: f64,
+    /// r + d, metres.
+    pub(crate) reach: f64,
+    /// Half of the narrowest gap that the robot is sent through, metres.
+    pub(crate) half_gap: f64,
+    walls: SegmentIndex,
+    objects: SegmentIndex,
+    /// Distance to the boundary, metres; negative outside.
+    pub(crate) wall: Vec<f32>,
+    /// Distance to the boundary or the nearest object, metres; negative outside or inside one.
+    pub(crate) free: Vec<f32>,
+    /// Where the centre can be as far as the boundary goes, from where the robot stands.
+    pub(crate) touchable: Vec<bool>,
+    /// Where the centre is sent: clear of objects too, and through no gap below the passable one.
+    pub(crate) drivable: Vec<bool>,
+}
+
+impl Floor {
+    /// The floor inside the wall line `boundary` with `objects` on it, for a robot that stands at
+    /// `from`. Orientation of the outlines does not matter.
+    #[must_use]
+    pub fn new(boundary: &Ring, objects: &[&Ring], chassis: &Chassis, from: Point) -> Self {
+        let wall_chords = chords(boundary, SAGITTA);
+        let points: Vec<Point> = wall_chords.iter().map(|s| s.from).collect();
+        let (low, high) = ring::bounds(&points).unwrap_or((from, from));
+        let size = high - low;
+        let cell = CELL.max((size.x * size.y / MOST_CELLS).sqrt());
+        let grid = Grid::over(low, high, cell, 2.0 * cell);
+        let wall = signed(&grid, &wall_chords, 1.0);
+        let mut free = wall.clone();
+        let mut object_chords = Vec::new();
+        for object in objects {
+            let outline = chords(object, SAGITTA);
+            reach::stand_on(&grid, &outline, &mut free);
+            object_chords.extend(outline);
+        }
+        let mut floor = Self {
+            grid,
+            radius: chassis.radius,
+            reach: chassis.reach(),
+            half_gap: chassis.passable_gap() / 2.0,
+            walls: SegmentIndex::new(wall_chords, BUCKET),
+            objects: SegmentIndex::new(object_chords, BUCKET),
+            wall,
+            free,
+            touchable: Vec::new(),
+            drivable: Vec::new(),
+        };
+        floor.flood(from);
+        floor
+    }
+
+    /// Distance from `p` to the nearest wall or object, metres; negative outside the boundary and
+    /// inside objects.
+    #[must_use]
+    pub fn clearance(&self, p: Point) -> f64 {
+        self.wall_clearance(p).min(self.object_clearance(p))
+    }
+
+    /// Distance from `p` to the boundary alone, metres; negative outside.
+    #[must_use]
+    pub fn wall_clearance(&self, p: Point) -> f64 {
+        let distance = self.walls.distance(p, f64::INFINITY);
+        let known = f64::from(self.wall[self.grid.index(p)]);
+        let within = if known.abs() > self.grid.cell {
+            known > 0.0
+        } else {
+            odd_crossings(self.walls.segments(), p)
+        };
+        if within { distance } else { -distance }
+    }
+
+    /// Distance from `p` to the nearest object, metres; negative inside one, infinite without.
+    #[must_use]
+    pub fn object_clearance(&self, p: Point) -> f64 {
+        if self.objects.segments().is_empty() {
+            return f64::INFINITY;
+        }
+        let distance = self.objects.distance(p, f64::INFINITY);
+        if odd_crossings(self.objects.segments(), p) {
+            -distance
+        } else {
+            distance
+        }
+    }
+
+    /// Clearance read off the raster: a few cells' neighbours blended, good to a millimetre or
+    /// two except right at corners, and much quicker.
+    #[must_use]
+    pub fn clearance_near(&self, p: Point) -> f64 {
+        self.grid.blend(&self.free, p)
+    }
+
+    /// [`Floor::clearance_near`] with the boundary alone.
+    #[must_use]
+    pub fn wall_clearance_near(&self, p: Point) -> f64 {
+        self.grid.blend(&self.wall, p)
+    }
+
+    /// Least distance from the way straight from `a` to `b` to any wall or object, metres; zero
+    /// when it crosses one, negative when it begins outside or inside an object.
+    #[must_use]
+    pub fn segment_clearance(&self, a: Point, b: Point) -> f64 {
+        let begin = self.clearance(a);
+        if begin <= 0.0 {
+            return begin;
+        }
+        let most = begin.min(self.clearance(b).abs());
+        self.gap(&Segment::new(a, b), most)
+    }
+
+    /// Whether the way straight from `a` to `b` keeps at least `clearance` metres.
+    #[must_use]
+    pub fn is_clear(&self, a: Point, b: Point, clearance: f64) -> bool {
+        let most = clearance.max(0.0) + 1e-9;
+        self.gap(&Segment::new(a, b), most) >= clearance && self.clearance_near(a) > 0.0
+    }
+
+    fn gap(&self, way: &Segment, most: f64) -> f64 {
+        let walls = self.walls.gap(way, most);
+        self.objects.gap(way, walls)
+    }
+
+    /// Whether the robot's centre is sent to `p`: the body fits with a little to spare, and the
+    /// way there leads through no gap below the passable one.
+    #[must_use]
+    pub fn is_drivable(&self, p: Point) -> bool {
+        self.drivable[self.grid.index(p)]
+    }
+
+    /// Area of the floor that the body can reach as far as the boundary goes, square metres.
+    #[must_use]
+    pub fn touchable_area(&self) -> f64 {
+        let cells = self.touchable.iter().filter(|&&on| on).count();
+        cells as f64 * self.grid.cell * self.grid.cell
+    }
+}
+
+/// Signed distance of every cell to closed outlines: `inner` is the sign inside.
+fn signed(grid: &Grid, outline: &[Segment], inner: f32) -> Vec<f32> {
+    let nearest = Nearest::new(grid, outline);
+    let within = inside(grid, outline);
+    nearest
+        .squared
+        .iter()
+        .zip(within)
+        .map(|(square, within)| square.sqrt() * if within { inner } else { -inner })
+        .collect()
+}
+
+/// Whether a ray from `p` crosses the outlines an odd number of times.
+fn odd_crossings(outline: &[Segment], p: Point) -> bool {
+    let crossed = outline.iter().filter(|s| {
+        let (from, to) = (s.from, s.to());
+        let between = (from.y <= p.y) != (to.y <= p.y);
+        between && p.x < from.x + (p.y - from.y) / (to.y - from.y) * (to.x - from.x)
+    });
+    crossed.count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ell() -> Floor {
+        rooms::floor(&rooms::ell(), &[&rooms::boxed(1.0, 1.0, 1.4, 1.3)])
+    }
+
+    #[test]
+    fn clearance_is_the_distance_to_the_nearest_wall_or_object_with_its_sign() {
+        let floor = ell();
+        let cases = [
+            ((0.5, 0.3), 0.3),
+            ((2.0, 0.5), 0.5),
+            ((1.2, 0.8), 0.2),
+            ((1.2, 1.15), -0.15),
+            ((-0.01, 1.0), -0.01),
+            ((3.0, 2.5), -1.0),
+            ((0.004, 2.0), 0.004),
+        ];
+        for ((x, y), want) in cases {
+            let got = floor.clearance(Point::new(x, y));
+            assert!(
+                (got - want).abs() < 1e-9,
+                "{got} instead of {want} at {x}, {y}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_clearance_of_a_way_is_the_least_along_it() {
+        let floor = ell();
+        let at = Point::new;
+        let cases = [
+            (at(0.3, 0.5), at(3.0, 0.5), 0.3),
+            (at(0.6, 0.5), at(0.6, 2.5), 0.4),
+            (at(0.5, 1.1), at(2.0, 1.1), 0.0),
+            (at(1.5, 2.0), at(3.0, 1.0), 0.0),
+        ];
+        for (a, b, want) in cases {
+            let got = floor.segment_clearance(a, b);
+            assert!(
+                (got - want).abs() < 1e-9,
+                "{got} instead of {want}, {a} to {b}"
+            );
+            assert!(
+                want <= 0.0 || floor.is_clear(a, b, want - 1e-6),
+                "{a} to {b}"
+            );
+            assert!(!floor.is_clear(a, b, want + 1e-6), "{a} to {b}");
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Where the robot's centre can be: the piece of the floor, worn down by the body, that hangs
+//! together with where the robot stands.
+
+use super::{Floor, inside};
+use crate::geometry::raster::Grid;
+use crate::geometry::{Point, Segment};
+
+/// The centre keeps this much more than the radius from everything, metres.
+pub(super) const SPARE: f64 = 0.02;
+
+/// Puts an object into the raster of distances. Only cells that come nearer to it than to what is
+/// there already are looked at, so an object costs about its surroundings.
+pub(super) fn stand_on(grid: &Grid, outline: &[Segment], free: &mut [f32]) {
+    for segment in outline {
+        lower_around(grid, segment, free);
+    }
+    for (value, within) in free.iter_mut().zip(inside(grid, outline)) {
+        if within {
+            *value = -value.abs();
+        }
+    }
+}
+
+/// Lowers the distances around one segment, in rings that widen until nothing changes.
+fn lower_around(grid: &Grid, segment: &Segment, free: &mut [f32]) {
+    let mut inner = 0.0;
+    let mut outer = 8.0 * grid.cell;
+    loop {
+        let mut changed = false;
+        grid.stadium_runs(segment, outer, |row, first, last| {
+            for x in first..=last {
+                let square = segment.distance_squared(grid.center(x, row)) as f32;
+                let value = &mut free[row * grid.width + x];
+                // The sign is set afterwards: only the size is compared here.
+                if square < *value * *value {
+                    *value = square.sqrt().copysign(*value);
+                    changed |= square > inner;
+                }
+            }
+        });
+        if !changed {
+            return;
+        }
+        inner = ((outer - 2.0 * grid.cell) * (outer - 2.0 * grid.cell)) as f32;
+        outer *= 2.0;
+    }
+}
+
+impl Floor {
+    /// Finds out where the centre can be, from where the robot stands.
+    pub(super) fn flood(&mut self, from: Point) {
+        let body = self.radius as f32;
+        let fits: Vec<bool> = self.wall.iter().map(|&d| d >= body).collect();
+        self.touchable = component(&self.grid, &fits, from);
+        self.drivable = self.send(from);
+    }
+
+    /// Cells with room for the body that lie in, or at the rim of, the part that a body as wide as
+    /// the passable gap can get to.
+    fn send(&self, from: Point) -> Vec<bool> {
+        let most = (self.half_gap - 0.3 * self.grid.cell) as f32;
+        let wide: Vec<bool> = self.free.iter().map(|&d| d >= most).collect();
+        let mut sent = component(&self.grid, &wide, from);
+        let body = (self.radius + SPARE) as f32;
+        // A corner that the wide body leaves out is deeper than it is wide; beyond twice the
+        // difference there is a gap.
+        let steps = (2.0 * (self.half_gap - self.radius) / self.grid.cell).ceil() as usize;
+        let mut rim: Vec<usize> = (0..sent.len()).filter(|&k| sent[k]).collect();
+        for _ in 0..steps {
+            let mut next = Vec::new();
+            for &cell in &rim {
+                for near in neighbours(&self.grid, cell).into_iter().flatten() {
+                    if !sent[near] && self.free[near] >= body {
+                        sent[near] = true;
+                        next.push(near);
+                    }
+                }
+            }
+            rim = next;
+        }
+        sent
+    }
+}
+
+/// The part of `open` that hangs together with the open cell nearest to `from`.
+fn component(grid: &Grid, open: &[bool], from: Point) -> Vec<bool> {
+    let mut found = vec![false; open.len()];
+    let Some(seed) = nearest_open(grid, open, from) else {
+        return found;
+    };
+    found[seed] = true;
+    let mut stack = vec![seed];
+    while let Some(cell) = stack.pop() {
+        for near in neighbours(grid, cell).into_iter().flatten() {
+            if open[near] && !found[near] {
+                found[near] = true;
+                stack.push(near);
+            }
+        }
+    }
+    found
+}
+
+fn nearest_open(grid: &Grid, open: &[bool], from: Point) -> Option<usize> {
+    let here = grid.index(from);
+    if open[here] {
+        return Some(here);
+    }
+    (0..open.len()).filter(|&k| open[k]).min_by(|&a, &b| {
+        let off = |k: usize| (grid.point(k) - from).norm_squared();
+        off(a).total_cmp(&off(b))
+    })
+}
+
+/// The eight cells around a cell, straight ones first, as far as they exist.
+pub(super) fn neighbours(grid: &Grid, cell: usize) -> [Option<usize>; 8] {
+    let (x, y) = (cell % grid.width, cell / grid.width);
+    let (w, e) = (x > 0, x + 1 < grid.width);
+    let (s, n) = (y > 0, y + 1 < grid.height);
+    let up = cell + grid.width;
+    let at = |there: bool, index: usize| there.then_some(index);
+    [
+        at(e, cell + 1),
+        at(n, up),
+        at(w, cell.wrapping_sub(1)),
+        at(s, cell.wrapping_sub(grid.width)),
+        at(e && n, up + 1),
+        at(w && n, up.wrapping_sub(1)),
+        at(w && s, cell.wrapping_sub(grid.width + 1)),
+        at(e && s, cell.wrapping_sub(grid.width).wrapping_add(1)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rooms;
+    use crate::geometry::Point;
+
+    #[test]
+    fn a_gap_below_the_passable_one_closes_off_what_lies_behind() {
+        for (gap, open) in [(0.30, false), (0.36, true)] {
+            let room = rooms::two_rooms(gap);
+            let floor = rooms::floor(&room, &[]);
+            assert!(floor.is_drivable(Point::new(0.5, 1.0)));
+            assert_eq!(
+                floor.is_drivable(Point::new(3.5, 1.0)),
+                open,
+                "behind a gap of {gap} m"
+            );
+        }
+    }
+
+    #[test]
+    fn objects_take_floor_away_and_the_distances_are_exact() {
+        let boxed = rooms::boxed(2.0, 1.0, 2.5, 1.5);
+        let floor = rooms::floor(&rooms::rectangle(5.0, 4.0), &[&boxed]);
+        for cell in 0..floor.grid.len() {
+            let at = floor.grid.point(cell);
+            let want = floor.clearance(at);
+            let got = f64::from(floor.free[cell]);
+            assert!((got - want).abs() < 1e-3, "{got} instead of {want} at {at}");
+        }
+        assert!(!floor.is_drivable(Point::new(2.2, 1.2)));
+        assert!(!floor.is_drivable(Point::new(1.92, 1.2)));
+        assert!(floor.is_drivable(Point::new(1.85, 1.2)));
+    }
+}

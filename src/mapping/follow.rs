@@ -1,0 +1,399 @@
+//! Following a wall: from what is known of the surfaces near the robot to its next motion.
+//!
+//! The robot is thought of as a disc of radius r + gap that rolls along the contacts, like the
+//! ball of ball pivoting (Bernardini et al. 1999) in the plane: the next straight step goes in the
+//! first direction, counted from the wall away, that keeps the disc clear of every contact. Beyond
+//! the last contact the wall is believed to go on straight, until a look says that it does not;
+//! then the disc rolls round the last contact, which is what an outer corner asks for. Between
+//! steps the robot looks: it swings towards the wall until its front diagonal switch closes, which
+//! gives contacts ahead before it gets there.
+//!
+//! Owns no pose and no contacts; it is told both. Knows nothing of laps or maps.
+
+use super::ahead::{Frontier, Rolling};
+use super::map::ContactKind;
+use super::wall::Wall;
+use crate::geometry::{Point, Pose, angle};
+use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+
+/// On which hand the wall is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// Wall on the left; a room is gone round clockwise, an object counter-clockwise.
+    Left,
+    /// Wall on the right.
+    Right,
+}
+
+impl Side {
+    /// +1 for left, -1 for right: multiplies angles, so that positive is towards the wall.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+
+    /// The other hand.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+}
+
+/// The next motion, with what ends it and why it was chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ask {
+    /// What to do.
+    pub motion: Motion,
+    /// What ends it early.
+    pub guard: Guard,
+    /// Why, for the operator.
+    pub why: &'static str,
+}
+
+/// What is known when the robot has come to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AtRest {
+    /// Believed pose.
+    pub pose: Pose,
+    /// Closed switches.
+    pub closed: SwitchSet,
+    /// Why the last motion ended.
+    pub reason: DoneReason,
+}
+
+/// The roles that switches play for a wall on one hand.
+#[derive(Debug, Clone, Copy)]
+struct Roles {
+    front: Option<usize>,
+    ahead: Option<usize>,
+    wall: Option<usize>,
+    off: Option<usize>,
+    back: Option<usize>,
+}
+
+impl Roles {
+    fn new(chassis: &Chassis, side: Side) -> Self {
+        let towards =
+            |degrees: f64| chassis.sensor_towards(side.sign() * degrees.to_radians(), 0.3);
+        Self {
+            front: towards(0.0),
+            ahead: towards(45.0),
+            wall: towards(90.0),
+            off: towards(-45.0),
+            back: towards(180.0),
+        }
+    }
+
+    fn set(switches: &[Option<usize>]) -> SwitchSet {
+        switches
+            .iter()
+            .flatten()
+            .fold(SwitchSet::EMPTY, |set, &index| set.with(index, true))
+    }
+}
+
+/// What the follower did last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Doing {
+    /// Nothing yet: the robot has just met the wall.
+    Arrived,
+    /// Turning away from something ahead until its switch opens.
+    Clearing,
+    /// Turning towards the wall to see where it goes on.
+    Looking,
+    /// Turning into the direction of the next step, of this length.
+    Facing(f64),
+    /// A step along the wall.
+    Stepping,
+    /// Backing off after a bump.
+    BackingOff,
+}
+
+/// Follows one wall.
+#[derive(Debug, Clone)]
+pub struct Follower {
+    side: Side,
+    roles: Roles,
+    doing: Doing,
+    /// The wall is known to end at the frontier.
+    ended: bool,
+    /// Length of a step along a wall that behaves, metres.
+    stride: f64,
+    gap: f64,
+    frontier: Option<Frontier>,
+    stuck: u32,
+    last_position: Option<Point>,
+    rolling: Rolling,
+}
+
+const SHORTEST_STRIDE: f64 = 0.09;
+const LONGEST_STRIDE: f64 = 0.30;
+const ROUND_CORNER: f64 = 0.05;
+/// Rolling round a corner never turns farther towards the wall than this at once, radians.
+const MOST_TOWARDS: f64 = 1.9;
+
+impl Follower {
+    /// Follows with the wall on `side`.
+    #[must_use]
+    pub fn new(chassis: &Chassis, side: Side) -> Self {
+        let gap = 0.75 * chassis.range;
+        Self {
+            side,
+            roles: Roles::new(chassis, side),
+            doing: Doing::Arrived,
+            ended: false,
+            stride: SHORTEST_STRIDE,
+            gap,
+            frontier: None,
+            stuck: 0,
+            last_position: None,
+            rolling: Rolling {
+                side,
+                radius: chassis.radius + gap,
+                least: chassis.radius + 0.012,
+            },
+        }
+    }
+
+    /// On which hand the wall is.
+    #[must_use]
+    pub fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Whether the follower is about to step, with its heading set: a good moment to begin or
+    /// judge a lap.
+    #[must_use]
+    pub fn is_stepping(&self) -> bool {
+        self.doing == Doing::Stepping
+    }
+
+    /// Whether the robot has gone nowhere for long.
+    #[must_use]
+    pub fn is_stuck(&self) -> bool {
+        self.stuck > 40
+    }
+
+    /// The next motion; none when the robot is held on all sides.
+    pub fn next(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
+        self.count_progress(rest.pose.position);
+        if matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled)
+            && self.doing != Doing::BackingOff
+        {
+            return Some(self.back_off());
+        }
+        match self.doing {
+            Doing::Arrived | Doing::Stepping => self.after_step(wall, rest),
+            Doing::Clearing | Doing::BackingOff => self.face(wall, rest),
+            Doing::Looking => {
+                self.judge_look(wall, rest);
+                self.face(wall, rest)
+            }
+            Doing::Facing(step) if rest.reason == DoneReason::Complete => Some(self.step(step)),
+            // The turn was cut short: the direction is chosen anew.
+            Doing::Facing(_) => self.face(wall, rest),
+        }
+    }
+
+    fn count_progress(&mut self, position: Point) {
+        let moved = self
+            .last_position
+            .is_none_or(|last| (last - position).norm() > 0.02);
+        if moved {
+            self.stuck = 0;
+            self.last_position = Some(position);
+        } else {
+            self.stuck += 1;
+        }
+    }
+
+    fn after_step(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
+        let closed_by = match rest.reason {
+            DoneReason::Guard {
+                sensor,
+                rising: true,
+            } => Some(sensor),
+            _ => None,
+        };
+        if let Some(sensor) = closed_by {
+            self.stride = SHORTEST_STRIDE;
+            self.ended = false;
+            if Some(sensor) == self.roles.front || Some(sensor) == self.roles.ahead {
+                return Some(self.clear(sensor));
+            }
+        }
+        if let DoneReason::Guard { rising: false, .. } = rest.reason {
+            self.stride = SHORTEST_STRIDE;
+            self.ended = wall
+                .near()
+                .next_back()
+                .is_some_and(|seen| seen.kind == ContactKind::Edge);
+        }
+        // Something is already close ahead of the wall: a swing could not see it close again.
+        if let Some(ahead) = self.roles.ahead
+            && rest.closed.has(ahead)
+        {
+            return Some(self.clear(ahead));
+        }
+        Some(self.look())
+    }
+
+    fn turn(&mut self, towards_wall: f64, guard: Guard, doing: Doing, why: &'static str) -> Ask {
+        self.doing = doing;
+        Ask {
+            motion: Motion::Turn {
+                angle: towards_wall * self.side.sign(),
+                rate: f64::INFINITY,
+            },
+            guard,
+            why,
+        }
+    }
+
+    fn clear(&mut self, sensor: usize) -> Ask {
+        let guard = Guard {
+            fall: SwitchSet::only(sensor),
+            ..Guard::default()
+        };
+        self.turn(
+            -1.2,
+            guard,
+            Doing::Clearing,
+            "something ahead: turning until it is clear",
+        )
+    }
+
+    fn look(&mut self) -> Ask {
+        let guard = Guard {
+            rise: Roles::set(&[self.roles.ahead]),
+            ..Guard::default()
+        };
+        self.turn(
+            0.96,
+            guard,
+            Doing::Looking,
+            "looking where the wall goes on",
+        )
+    }
+
+    fn back_off(&mut self) -> Ask {
+        self.doing = Doing::BackingOff;
+        self.stride = SHORTEST_STRIDE;
+        Ask {
+            motion: Motion::Move {
+                distance: -0.03,
+                speed: f64::INFINITY,
+            },
+            guard: Guard {
+                rise: Roles::set(&[self.roles.back]),
+                ..Guard::default()
+            },
+            why: "touched something: backing off",
+        }
+    }
+
+    fn judge_look(&mut self, wall: &mut Wall, rest: &AtRest) {
+        let seen_ahead = matches!(rest.reason, DoneReason::Guard { .. });
+        if !seen_ahead {
+            self.ended = true;
+            self.stride = SHORTEST_STRIDE;
+            return;
+        }
+        self.ended = false;
+        let surprise = wall
+            .near()
+            .next_back()
+            .zip(self.frontier)
+            .map(|(seen, frontier)| {
+                if frontier.certain {
+                    frontier.stretch.distance(seen.point)
+                } else {
+                    1.0
+                }
+            });
+        self.stride = match surprise {
+            Some(off) if off < 0.004 => (self.stride * 1.5).min(LONGEST_STRIDE),
+            _ => SHORTEST_STRIDE,
+        };
+    }
+
+    fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
+        let step = if self.ended {
+            ROUND_CORNER
+        } else {
+            self.stride
+        };
+        let contacts: Vec<Point> = wall.near().map(|seen| seen.point).collect();
+        let found = self
+            .rolling
+            .direction(&contacts, rest.pose, step, self.ended)?;
+        self.frontier = found.frontier;
+        let turn = self.the_way_round(found.heading - rest.pose.heading);
+        if turn.abs() < 0.015 {
+            return Some(self.step(step));
+        }
+        self.doing = Doing::Facing(step);
+        Some(Ask {
+            motion: Motion::Turn {
+                angle: turn,
+                rate: f64::INFINITY,
+            },
+            guard: Guard::default(),
+            why: if self.ended {
+                "rolling round a corner"
+            } else {
+                "facing along the wall"
+            },
+        })
+    }
+
+    /// The turn by `by` radians, or a whole turn more or less: away from the wall when it is large.
+    /// In a dead end the robot must turn away from the wall, never through it, or the turns of a
+    /// lap would not add up to one.
+    fn the_way_round(&self, by: f64) -> f64 {
+        let towards = angle::wrap(by) * self.side.sign();
+        self.side.sign()
+            * if towards > MOST_TOWARDS {
+                towards - angle::TAU
+            } else {
+                towards
+            }
+    }
+
+    fn step(&mut self, length: f64) -> Ask {
+        self.doing = Doing::Stepping;
+        let fall = if self.ended {
+            SwitchSet::EMPTY
+        } else {
+            Roles::set(&[self.roles.wall])
+        };
+        Ask {
+            motion: Motion::Move {
+                distance: length,
+                speed: f64::INFINITY,
+            },
+            guard: Guard {
+                rise: Roles::set(&[self.roles.front, self.roles.ahead, self.roles.off]),
+                fall,
+            },
+            why: if self.ended {
+                "a step round the corner"
+            } else {
+                "a step along the wall"
+            },
+        }
+    }
+
+    /// The gap at which the wall is followed, metres from the body.
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        self.gap
+    }
+}

@@ -1,0 +1,325 @@
+//! The Boundary phase (paper III.C): pick a direction, drive until something is met, go round it;
+//! if that was an object, pick another direction, until it was the boundary.
+
+use super::adjust::Adjustment;
+use super::circuit::{Circuit, Closure, Leg};
+use super::event::{EventKind, Failure};
+use super::follow::{Ask, AtRest, Side};
+use super::map::{MappedObject, Misclosure, RoomMap};
+use super::odometry::Tracker;
+use super::passing::{Passing, Way};
+use super::settings::Settings;
+use super::shape::object_outline;
+use super::wall::Wall;
+use crate::geometry::{Pose, angle};
+use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Directions that are tried before the search is given up.
+const MOST_TRIES: usize = 40;
+/// Metres driven again after a lap has closed, for the misclosure.
+const OVERLAP: f64 = 1.0;
+/// A contact this near a known object belongs to it, metres.
+const SAME_OBJECT: f64 = 0.08;
+
+/// What the search is doing.
+#[derive(Debug, Clone)]
+enum Doing {
+    /// Turning into the next direction.
+    Turning,
+    /// Driving in it.
+    Driving,
+    /// Going round something unknown.
+    Lapping(Box<Circuit>),
+    /// Going round a known object, back to the line.
+    Passing(Box<Passing>),
+}
+
+/// What comes next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Next {
+    /// A motion.
+    Go(Ask),
+    /// The boundary is found: this lap, with its misclosure.
+    Found(Closure, Misclosure),
+    /// It was not.
+    Failed(Failure),
+}
+
+/// The search for the boundary.
+#[derive(Debug, Clone)]
+pub struct Search {
+    chassis: Chassis,
+    doing: Doing,
+    /// The line driven: where it began and its direction.
+    line: Pose,
+    tried: usize,
+    rng: ChaCha8Rng,
+    wall: Wall,
+    laps: u32,
+}
+
+impl Search {
+    /// Begins at the start pose, in the direction the robot faces.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            chassis: settings.chassis.clone(),
+            doing: Doing::Turning,
+            line: settings.start,
+            tried: 0,
+            rng: ChaCha8Rng::seed_from_u64(settings.seed),
+            wall: Wall::new(&settings.chassis),
+            laps: 0,
+        }
+    }
+
+    /// Laps closed so far.
+    #[must_use]
+    pub fn laps(&self) -> u32 {
+        self.laps
+    }
+
+    /// The contacts that are being collected.
+    pub fn wall_mut(&mut self) -> &mut Wall {
+        match &mut self.doing {
+            Doing::Lapping(circuit) => &mut circuit.wall,
+            Doing::Passing(passing) => &mut passing.wall,
+            Doing::Turning | Doing::Driving => &mut self.wall,
+        }
+    }
+
+    /// The same, to look at.
+    #[must_use]
+    pub fn wall(&self) -> &Wall {
+        match &self.doing {
+            Doing::Lapping(circuit) => &circuit.wall,
+            Doing::Passing(passing) => &passing.wall,
+            Doing::Turning | Doing::Driving => &self.wall,
+        }
+    }
+
+    /// The lap under way, if one is.
+    #[must_use]
+    pub fn circuit(&self) -> Option<&Circuit> {
+        match &self.doing {
+            Doing::Lapping(circuit) => Some(circuit),
+            _ => None,
+        }
+    }
+
+    /// The robot came to rest: what next? Objects that turn out to be extrinsic go into `map`.
+    pub fn next(
+        &mut self,
+        tracker: &Tracker,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Next {
+        loop {
+            match std::mem::replace(&mut self.doing, Doing::Turning) {
+                Doing::Turning => return self.set_out(rest, tell),
+                Doing::Driving => {
+                    if let Some(next) = self.arrived(tracker, rest, map, tell) {
+                        return next;
+                    }
+                }
+                Doing::Passing(mut passing) => match passing.next(tracker, rest) {
+                    Way::Leg(Leg::Go(ask)) => {
+                        self.doing = Doing::Passing(passing);
+                        return Next::Go(ask);
+                    }
+                    Way::Back => {
+                        self.doing = Doing::Driving;
+                        self.wall = Wall::new(&self.chassis);
+                        return self.drive(rest);
+                    }
+                    Way::Leg(_) => self.turn_elsewhere(rest, tell),
+                },
+                Doing::Lapping(mut circuit) => match circuit.next(tracker, rest) {
+                    Leg::Go(ask) => {
+                        self.doing = Doing::Lapping(circuit);
+                        return Next::Go(ask);
+                    }
+                    Leg::Closed(closure, misclosure) => {
+                        self.laps += 1;
+                        let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
+                        tell.push(EventKind::LapClosed { length, extrinsic });
+                        self.wall = circuit.wall;
+                        if !extrinsic {
+                            return Next::Found(closure, misclosure);
+                        }
+                        self.record(tracker, &closure, &misclosure, map, tell);
+                        self.turn_elsewhere(rest, tell);
+                    }
+                    Leg::Failed(why) => {
+                        tell.push(EventKind::LapFailed { why });
+                        return Next::Failed(why);
+                    }
+                },
+            }
+        }
+    }
+
+    fn turn_elsewhere(&mut self, rest: &AtRest, tell: &mut Vec<EventKind>) {
+        self.tried += 1;
+        let away = self
+            .wall
+            .near()
+            .next_back()
+            .map(|seen| seen.beam + angle::PI);
+        let spread = if away.is_some() {
+            angle::PI * 0.8
+        } else {
+            angle::TAU
+        };
+        let heading = away.unwrap_or(0.0) + (self.rng.random::<f64>() - 0.5) * spread;
+        self.line = Pose {
+            position: rest.pose.position,
+            heading: angle::wrap(heading),
+        };
+        tell.push(EventKind::Heading {
+            heading: self.line.heading,
+            tried: self.tried,
+        });
+        self.wall = Wall::new(&self.chassis);
+        self.doing = Doing::Turning;
+    }
+
+    fn set_out(&mut self, rest: &AtRest, tell: &mut Vec<EventKind>) -> Next {
+        if self.tried > MOST_TRIES {
+            return Next::Failed(Failure::NoBoundary);
+        }
+        if self.tried == 0 {
+            tell.push(EventKind::Heading {
+                heading: rest.pose.heading,
+                tried: 0,
+            });
+        }
+        let turn = angle::wrap(self.line.heading - rest.pose.heading);
+        if turn.abs() > 0.01 {
+            self.doing = Doing::Turning;
+            return Next::Go(Ask {
+                motion: Motion::Turn {
+                    angle: turn,
+                    rate: f64::INFINITY,
+                },
+                guard: Guard::default(),
+                why: "turning into a new direction",
+            });
+        }
+        self.doing = Doing::Driving;
+        self.drive(rest)
+    }
+
+    fn drive(&mut self, rest: &AtRest) -> Next {
+        let turn = angle::wrap(self.line.heading - rest.pose.heading);
+        if turn.abs() > 0.01 {
+            self.doing = Doing::Turning;
+            return self.set_out(rest, &mut Vec::new());
+        }
+        let all =
+            (0..self.chassis.sensors.len()).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
+        Next::Go(Ask {
+            motion: Motion::Move {
+                distance: 200.0,
+                speed: f64::INFINITY,
+            },
+            guard: Guard {
+                rise: all,
+                fall: SwitchSet::EMPTY,
+            },
+            why: "driving until something is met",
+        })
+    }
+
+    fn arrived(
+        &mut self,
+        tracker: &Tracker,
+        rest: &AtRest,
+        map: &RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Next> {
+        let (by, side) = match rest.reason {
+            DoneReason::Guard { sensor, .. } => (
+                self.chassis.sensors[sensor].name.clone(),
+                side_of(&self.chassis, sensor),
+            ),
+            DoneReason::Bumper | DoneReason::Stalled => ("bumper".to_owned(), Side::Left),
+            _ => {
+                self.doing = Doing::Driving;
+                return Some(self.drive(rest));
+            }
+        };
+        let known = self.wall.near().next_back().and_then(|seen| {
+            let near = |object: &&MappedObject| object.outline.distance(seen.point) < SAME_OBJECT;
+            map.objects.iter().find(near).map(|object| object.id)
+        });
+        let wall = std::mem::replace(&mut self.wall, Wall::new(&self.chassis));
+        self.doing = if let Some(id) = known {
+            tell.push(EventKind::Detour { id });
+            let passing = Passing::new(&self.chassis, side, wall, self.line, tracker);
+            Doing::Passing(Box::new(passing))
+        } else {
+            tell.push(EventKind::ContactGained { by });
+            Doing::Lapping(Box::new(Circuit::new(&self.chassis, side, wall, OVERLAP)))
+        };
+        None
+    }
+
+    fn record(
+        &self,
+        tracker: &Tracker,
+        closure: &Closure,
+        misclosure: &Misclosure,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) {
+        let adjustment = Adjustment::new(tracker.path(), closure, misclosure);
+        let contacts = lap_contacts(&self.wall, closure, &adjustment);
+        let (outline, class) = object_outline(&contacts, true);
+        let id = map.objects.len() as u32 + 1;
+        map.objects.push(MappedObject {
+            id,
+            class,
+            outline,
+            closed: true,
+            contacts,
+        });
+        tell.push(EventKind::ObjectClosed { id });
+    }
+}
+
+/// On which hand to keep what `sensor` saw: right only when it saw it on the right.
+fn side_of(chassis: &Chassis, sensor: usize) -> Side {
+    let bearing = chassis.sensors[sensor].angle;
+    if bearing < -0.5 && bearing > 0.1 - angle::PI {
+        Side::Right
+    } else {
+        Side::Left
+    }
+}
+
+/// The contacts of one lap, adjusted, in order.
+#[must_use]
+pub fn lap_contacts(
+    wall: &Wall,
+    closure: &Closure,
+    adjustment: &Adjustment,
+) -> Vec<super::map::Contact> {
+    wall.log()
+        .iter()
+        .filter(|seen| seen.alive)
+        .filter(|seen| {
+            seen.travelled > closure.from.travelled - 0.02
+                && seen.travelled <= closure.to.travelled + 0.1
+        })
+        .map(|seen| {
+            let mut contact = seen.contact();
+            contact.point = adjustment.place(contact.point, seen.time_us);
+            contact.from = adjustment.place(contact.from, seen.time_us);
+            contact
+        })
+        .collect()
+}

@@ -1,0 +1,128 @@
+//! The Shape phase (paper III.D): from contacts to a fitted outline, its class and its parts.
+//! Works on contacts alone: it knows neither the robot's commands nor the plan.
+
+mod assemble;
+mod classify;
+mod corner;
+mod object;
+mod order;
+mod segment;
+mod split;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use classify::{TURN_POINT, identify, turn_points};
+pub use object::object_outline;
+
+use super::event::Failure;
+use super::map::{Contact, ContactKind};
+use crate::geometry::{Point, Ring};
+
+/// Bumper touches are good to this, metres.
+const TOUCH_SIGMA: f64 = 0.004;
+/// No noise is believed to be below this, metres: encoder ticks alone make as much.
+const LEAST_SIGMA: f64 = 0.0004;
+/// No noise is believed to be above this, metres.
+const MOST_SIGMA: f64 = 0.004;
+/// Neighbours nearer than this are one contact, metres.
+const TOGETHER: f64 = 0.002;
+
+/// One contact as the fit sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct Sample {
+    /// Where the surface is.
+    point: Point,
+    /// Where it was seen from.
+    from: Point,
+    /// Weight in the fit: one for a switch, less for the bumper.
+    weight: f64,
+    /// Edge contacts between this contact and the next.
+    edges: Vec<Point>,
+}
+
+/// The wall line through the contacts of a closed lap: closed, simple, counter-clockwise, of
+/// lines and arcs. `contacts` come in time order, the last adjoins the first (some wall seen
+/// twice does no harm); `reach` is body radius plus range of the switches, metres.
+///
+/// # Errors
+/// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
+pub fn outline(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
+    let ring = fitted(contacts, reach).ok_or(Failure::OutlineBroken)?;
+    Ok(ring.counter_clockwise())
+}
+
+/// The outline with the floor on the left; none when there is no simple one.
+fn fitted(contacts: &[Contact], reach: f64) -> Option<Ring> {
+    let ordered = order::along_wall(contacts);
+    let mut samples = samples(&ordered, LEAST_SIGMA);
+    if samples.len() < 4 {
+        return None;
+    }
+    let sigma = noise(&samples);
+    for sample in &mut samples {
+        if sample.weight < 1.0 {
+            sample.weight = (sigma / TOUCH_SIGMA).powi(2).min(1.0);
+        }
+    }
+    if let Some(circle) = assemble::whole_circle(&samples, sigma) {
+        return Some(circle);
+    }
+    let runs = segment::runs(&mut samples, sigma);
+    assemble::ring(&samples, &runs, sigma, reach)
+}
+
+/// The surface contacts, near doubles taken together, each with the edges that follow it.
+fn samples(ordered: &[Contact], sigma: f64) -> Vec<Sample> {
+    let mut samples: Vec<Sample> = Vec::new();
+    for contact in ordered {
+        match (contact.kind, samples.last_mut()) {
+            (ContactKind::Edge, Some(last)) => last.edges.push(contact.point),
+            (ContactKind::Edge, None) => {}
+            (ContactKind::Range, Some(last))
+                if last.weight == 1.0
+                    && (last.point - contact.point).norm() < TOGETHER.max(sigma) =>
+            {
+                last.point = nalgebra::center(&last.point, &contact.point);
+            }
+            (kind, _) => samples.push(Sample {
+                point: contact.point,
+                from: contact.from,
+                weight: if kind == ContactKind::Range { 1.0 } else { 0.5 },
+                edges: Vec::new(),
+            }),
+        }
+    }
+    samples
+}
+
+/// The noise of a contact, metres: what short stretches leave after a parabola, judged by the
+/// smoother ones among them, since a ragged wall is not noise.
+fn noise(samples: &[Sample]) -> f64 {
+    const STRETCH: usize = 6;
+    let mut residuals: Vec<f64> = samples
+        .windows(STRETCH)
+        .filter_map(|stretch| {
+            let first = stretch.first()?.point;
+            let chord = stretch.last()?.point - first;
+            let along = chord.try_normalize(0.02)?;
+            let row = |s: &Sample| {
+                let v = s.point - first;
+                let x = v.dot(&along);
+                (x, crate::geometry::cross(along, v))
+            };
+            let design = nalgebra::SMatrix::<f64, STRETCH, 3>::from_fn(|i, k| {
+                row(&stretch[i]).0.powi(i32::try_from(k).unwrap_or(0))
+            });
+            let value = nalgebra::SVector::<f64, STRETCH>::from_fn(|i, _| row(&stretch[i]).1);
+            let normal = design.transpose() * design;
+            let solution = normal.try_inverse()? * (design.transpose() * value);
+            Some((value - design * solution).norm_squared())
+        })
+        .collect();
+    residuals.sort_by(f64::total_cmp);
+    // The lower fifth of a chi-square with three degrees of freedom lies at 1.005.
+    let low = residuals.get(residuals.len() / 5).copied().unwrap_or(0.0);
+    low.sqrt().clamp(LEAST_SIGMA, MOST_SIGMA)
+}

@@ -1,0 +1,243 @@
+//! Puts runs and joints together into a closed ring, and makes sure that it does not cross
+//! itself: where it would, the fit gives way to the contacts themselves.
+
+use super::Sample;
+use super::corner::{Joint, Judge};
+use super::segment::{Model, Run};
+use crate::geometry::fit::Moments;
+use crate::geometry::simple::crossings;
+use crate::geometry::{Piece, Point, Ring, angle, cross};
+
+/// Pieces shorter than this are left out, metres.
+const SHORTEST: f64 = 5e-4;
+/// Chords stand for arcs within this when crossings are looked for, metres.
+const SAGITTA: f64 = 0.001;
+
+/// A corner of the ring and the bulge of the piece that leaves it.
+#[derive(Debug, Clone, Copy)]
+struct Vertex {
+    at: Point,
+    bulge: f64,
+    /// The run that the piece belongs to; links belong to the run before them.
+    run: usize,
+}
+
+/// How freely a run may be drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Freedom {
+    /// Corners beyond the contacts.
+    Fit,
+    /// The fitted piece, but linked to its neighbours contact to contact.
+    Linked,
+    /// The contacts themselves.
+    Contacts,
+}
+
+/// The circle on which all of the contacts lie, all the way round; none when there is no such.
+pub(super) fn whole_circle(samples: &[Sample], sigma: f64) -> Option<Ring> {
+    let mut moments = Moments::new(samples.first()?.point);
+    for sample in samples {
+        moments.add(sample.point, sample.weight);
+    }
+    let circle = moments.circle()?;
+    let tolerance = 3.5 * sigma + 0.002;
+    let off = |s: &Sample| ((s.point - circle.center).norm() - circle.radius).abs();
+    let worst = samples
+        .iter()
+        .map(|s| off(s) * s.weight.sqrt())
+        .fold(0.0, f64::max);
+    let mut bearings: Vec<f64> = samples
+        .iter()
+        .map(|s| angle::of(s.point - circle.center))
+        .collect();
+    bearings.sort_by(f64::total_cmp);
+    let around = bearings.first()? + angle::TAU - bearings.last()?;
+    let gap = bearings
+        .windows(2)
+        .map(|p| p[1] - p[0])
+        .fold(around, f64::max);
+    // A polygon's corners stray from its circle by more than the noise; few contacts prove nothing.
+    let rms = (circle.residual / samples.len() as f64).sqrt();
+    let enough = samples.len() >= 8 && gap < 0.9;
+    let round = worst < tolerance && rms < 1.6 * sigma + 0.0005;
+    (enough && round).then(|| Ring::circle(circle.center, circle.radius))
+}
+
+/// The ring of `runs`; none when no simple one can be made.
+pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> Option<Ring> {
+    let judge = Judge {
+        samples,
+        sigma,
+        reach,
+    };
+    let mut freedom = vec![Freedom::Fit; runs.len()];
+    for _ in 0..12 {
+        let vertices = tidy(draw(&judge, runs, &freedom));
+        let made = to_ring(&vertices);
+        let (points, owners) = chords(&made, &vertices);
+        let crossed = crossings(&points);
+        if crossed.is_empty() {
+            return (vertices.len() >= 2).then_some(made);
+        }
+        let mut changed = false;
+        for (i, k) in crossed {
+            for edge in [i, k] {
+                changed |= restrain(&mut freedom, owners[edge]);
+            }
+        }
+        if !changed {
+            return uncrossed(points);
+        }
+    }
+    let vertices = tidy(draw(&judge, runs, &freedom));
+    uncrossed(chords(&to_ring(&vertices), &vertices).0)
+}
+
+/// One step less freedom for a run and its neighbours.
+fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
+    let next = match freedom[run] {
+        Freedom::Fit => Freedom::Linked,
+        Freedom::Linked | Freedom::Contacts => Freedom::Contacts,
+    };
+    let changed = next != freedom[run];
+    freedom[run] = next;
+    changed
+}
+
+/// All vertices of the ring.
+fn draw(judge: &Judge<'_>, runs: &[Run], freedom: &[Freedom]) -> Vec<Vertex> {
+    let count = runs.len();
+    let joints: Vec<Joint> = (0..count)
+        .map(|k| {
+            let next = (k + 1) % count;
+            if freedom[k] == Freedom::Fit && freedom[next] == Freedom::Fit {
+                judge.joint(&runs[k], &runs[next])
+            } else {
+                judge.link(&runs[k], &runs[next])
+            }
+        })
+        .collect();
+    let mut vertices = Vec::new();
+    for (k, run) in runs.iter().enumerate() {
+        let (start, end) = (joints[(k + count - 1) % count].start, joints[k].end);
+        if freedom[k] == Freedom::Contacts {
+            let contacts = &judge.samples[run.first..=run.last];
+            vertices.extend(contacts.iter().map(|s| Vertex {
+                at: s.point,
+                bulge: 0.0,
+                run: k,
+            }));
+            continue;
+        }
+        vertices.push(Vertex {
+            at: start,
+            bulge: bulge(&run.model, start, end),
+            run: k,
+        });
+        vertices.push(Vertex {
+            at: end,
+            bulge: 0.0,
+            run: k,
+        });
+    }
+    vertices
+}
+
+/// tan(sweep / 4) of the arc from `start` to `end` through the middle of the fitted one.
+fn bulge(model: &Model, start: Point, end: Point) -> f64 {
+    let Model::Arc {
+        center,
+        radius,
+        hollow,
+    } = *model
+    else {
+        return 0.0;
+    };
+    let (a, b) = (angle::of(start - center), angle::of(end - center));
+    let sweep = if hollow {
+        angle::wrap_positive(b - a)
+    } else {
+        -angle::wrap_positive(a - b)
+    };
+    let middle = center + angle::unit(a + sweep / 2.0) * radius;
+    let chord = end - start;
+    if chord.norm() < SHORTEST || sweep.abs() > 6.2 {
+        return 0.0;
+    }
+    -2.0 * cross(chord, middle - start) / chord.norm_squared()
+}
+
+/// Without pieces of no length, and without corners in straight stretches.
+fn tidy(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
+    let mut k = 0;
+    while vertices.len() > 2 && k < vertices.len() {
+        let next = (k + 1) % vertices.len();
+        let same = (vertices[next].at - vertices[k].at).norm() < SHORTEST;
+        if same {
+            // The piece that leaves the later one counts.
+            let at = vertices[k].at;
+            vertices[next].at = at;
+            vertices.remove(k);
+            k = k.saturating_sub(1);
+        } else {
+            k += 1;
+        }
+    }
+    vertices
+}
+
+fn to_ring(vertices: &[Vertex]) -> Ring {
+    let count = vertices.len();
+    let pieces = (0..count)
+        .map(|k| {
+            Piece::with_bulge(
+                vertices[k].at,
+                vertices[(k + 1) % count].at,
+                vertices[k].bulge,
+            )
+        })
+        .collect();
+    Ring { pieces }
+}
+
+/// The ring as points, and for each the run that the edge leaving it belongs to.
+fn chords(ring: &Ring, vertices: &[Vertex]) -> (Vec<Point>, Vec<usize>) {
+    let mut points = Vec::new();
+    let mut owners = Vec::new();
+    for (piece, vertex) in ring.pieces.iter().zip(vertices) {
+        let single = Ring {
+            pieces: vec![*piece],
+        };
+        let part = single.to_points(SAGITTA);
+        owners.extend(std::iter::repeat_n(vertex.run, part.len()));
+        points.extend(part);
+    }
+    (points, owners)
+}
+
+/// A simple polygon from one that still crosses itself: the shorter loop at each crossing goes.
+fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
+    const LARGEST_LOOP: f64 = 1.0;
+    for _ in 0..200 {
+        let Some(&(i, k)) = crossings(&points).first() else {
+            return (points.len() >= 3).then(|| Ring::polygon(&points));
+        };
+        let length = |from: usize, to: usize| -> f64 {
+            (from..to)
+                .map(|n| (points[(n + 1) % points.len()] - points[n % points.len()]).norm())
+                .sum()
+        };
+        let inner = length(i + 1, k);
+        let outer = length(k + 1, points.len() + i);
+        if inner.min(outer) > LARGEST_LOOP {
+            return None;
+        }
+        if inner <= outer {
+            points.drain(i + 1..=k);
+        } else {
+            points.truncate(k + 1);
+            points.drain(..=i);
+        }
+    }
+    None
+}

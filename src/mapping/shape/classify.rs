@@ -1,0 +1,61 @@
+//! What shape an outline has (paper III.D): circle, convex, concave or complex. Works on the
+//! fitted outline; the paper's turns of 1 degree are far below what the robot's own turns show.
+
+use super::split;
+use crate::geometry::hull::deepest_bay;
+use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::mapping::map::{Contact, Shape, ShapeClass};
+
+/// A turn of the outline counts as a vertex above this, radians: the paper's 1 degree.
+pub const TURN_POINT: f64 = angle::PI / 180.0;
+/// A bay shallower than this does not make an outline concave, metres: the noise of a wall.
+pub(super) const SHALLOW: f64 = 0.008;
+/// An arc counts as a curve from this span on, radians: 25 degrees.
+const CURVE_SPAN: f64 = 25.0 * angle::PI / 180.0 - 1e-3;
+
+/// The class, the turn points and the parts of `outline` (counter-clockwise), which was fitted to
+/// `contacts`.
+#[must_use]
+pub fn identify(outline: Ring, _contacts: &[Contact]) -> Shape {
+    let vertices = turn_points(&outline);
+    let class = class(&outline, &vertices);
+    let parts = split::parts(&outline, class);
+    Shape {
+        class,
+        outline,
+        vertices,
+        parts,
+    }
+}
+
+/// Where the outline turns by more than 1 degree, in order along it.
+#[must_use]
+pub fn turn_points(outline: &Ring) -> Vec<Point> {
+    let count = outline.pieces.len();
+    (0..count)
+        .filter_map(|k| {
+            let (before, after) = (outline.pieces[(k + count - 1) % count], outline.pieces[k]);
+            let (u, v) = (before.tangent(1.0), after.tangent(0.0));
+            let turn = angle::atan2(cross(u, v), u.dot(&v));
+            (turn.abs() > TURN_POINT).then(|| after.from())
+        })
+        .collect()
+}
+
+fn class(outline: &Ring, vertices: &[Point]) -> ShapeClass {
+    let curved = outline.pieces.iter().any(is_curve);
+    if curved && vertices.is_empty() && outline.pieces.len() == 1 {
+        ShapeClass::Circle
+    } else if curved {
+        ShapeClass::Complex
+    } else if deepest_bay(&outline.to_points(1e-3)) < SHALLOW {
+        ShapeClass::Convex
+    } else {
+        ShapeClass::Concave
+    }
+}
+
+/// Whether the piece bends enough to be called a curve.
+pub(super) fn is_curve(piece: &Piece) -> bool {
+    matches!(piece, Piece::Arc { sweep, .. } if sweep.abs() >= CURVE_SPAN)
+}

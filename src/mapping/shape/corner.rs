@@ -1,0 +1,262 @@
+//! Where neighbouring runs meet: in the corner where their lines or circles intersect, if the
+//! contacts allow it, else by a straight link from the last contact of one to the first of the
+//! next. Knows nothing of how the runs were found.
+
+use super::Sample;
+use super::segment::{Model, Run};
+use crate::geometry::simple::segments_meet;
+use crate::geometry::{Point, Vector, angle, cross};
+
+/// Farthest an outer corner may lie beyond the contacts next to it, metres.
+const OUTER_REACH: f64 = 0.25;
+/// Farthest an inner corner may lie beyond what the body's roundness explains, metres.
+const INNER_SLACK: f64 = 0.12;
+/// How far off an extended run may be at its corner for want of direction, metres.
+const UNCERTAIN: f64 = 0.008;
+
+/// Where one run ends and the next begins; the same point for a corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Joint {
+    pub(super) end: Point,
+    pub(super) start: Point,
+}
+
+/// What joints are judged by.
+pub(super) struct Judge<'a> {
+    pub(super) samples: &'a [Sample],
+    /// Noise of a contact, metres.
+    pub(super) sigma: f64,
+    /// Body radius plus range of the switches, metres.
+    pub(super) reach: f64,
+}
+
+impl Judge<'_> {
+    /// The joint from run `a` to run `b`, which follows it.
+    pub(super) fn joint(&self, a: &Run, b: &Run) -> Joint {
+        let (end, start) = (self.foot(a, a.last), self.foot(b, b.first));
+        match self.corner(a, b, end, start) {
+            Some(corner) => Joint {
+                end: corner,
+                start: corner,
+            },
+            None => self.thin_end(a, b).unwrap_or_else(|| self.link(a, b)),
+        }
+    }
+
+    /// The joint that invents nothing: from the last contact straight to the first.
+    pub(super) fn link(&self, a: &Run, b: &Run) -> Joint {
+        let (end, start) = (self.foot(a, a.last), self.foot(b, b.first));
+        if (end - start).norm() < 0.003 {
+            let middle = nalgebra::center(&end, &start);
+            return Joint {
+                end: middle,
+                start: middle,
+            };
+        }
+        Joint { end, start }
+    }
+
+    /// Contact `k` moved onto the run.
+    fn foot(&self, run: &Run, k: usize) -> Point {
+        let p = self.samples[k].point;
+        match run.model {
+            Model::Lone(at) => at,
+            Model::Line { center, direction } => center + direction * (p - center).dot(&direction),
+            Model::Arc { center, radius, .. } => {
+                let out = (p - center).try_normalize(1e-9).unwrap_or_else(Vector::x);
+                center + out * radius
+            }
+        }
+    }
+
+    fn corner(&self, a: &Run, b: &Run, end: Point, start: Point) -> Option<Point> {
+        let middle = nalgebra::center(&end, &start);
+        let candidates = intersections(&a.model, &b.model, 3.0 * self.sigma + 0.002);
+        let corner = candidates
+            .into_iter()
+            .flatten()
+            .min_by(|p, q| (p - middle).norm().total_cmp(&(q - middle).norm()))?;
+        let (u, v) = (heading(&a.model, corner)?, heading(&b.model, corner)?);
+        let turn = angle::atan2(cross(u, v), u.dot(&v));
+        let beyond_a = (corner - end).dot(&u);
+        let beyond_b = (start - corner).dot(&v);
+        // Contacts behind a corner are cut off by it: only as far as noise explains.
+        let back = (3.0 * self.sigma + 0.002) / angle::sin(turn.abs().min(1.57)).max(0.01);
+        let smooth = turn.abs() < 0.1;
+        let behind = if smooth { 0.35 } else { back.min(0.06) };
+        if beyond_a < -behind || beyond_b < -behind {
+            return None;
+        }
+        let limit = if turn > 0.0 {
+            // The body touches both walls of an inner corner this far from it.
+            let interior = (angle::PI - turn).max(0.1);
+            self.reach / angle::tan(interior / 2.0).max(0.05) + INNER_SLACK
+        } else {
+            OUTER_REACH
+        };
+        let fits = |run: &Run, beyond: f64| beyond < limit.min(self.trusted(run));
+        if !fits(a, beyond_a) || !fits(b, beyond_b) {
+            return None;
+        }
+        (smooth || !self.seen_through(a, b, end, corner, start)).then_some(corner)
+    }
+
+    /// How far the direction of a run can be trusted beyond its contacts, metres.
+    fn trusted(&self, run: &Run) -> f64 {
+        let count = (run.last - run.first + 1) as f64;
+        let length = (self.samples[run.last].point - self.samples[run.first].point).norm();
+        match run.model {
+            Model::Lone(_) => 0.0,
+            Model::Arc { radius, .. } => radius,
+            Model::Line { .. } if count < 3.0 => {
+                (length + 0.01).min(UNCERTAIN * length / (1.5 * self.sigma))
+            }
+            Model::Line { .. } => UNCERTAIN * length / (3.5 * self.sigma / count.sqrt()),
+        }
+    }
+
+    /// Whether a beam that ended on a wall near by passed through the two extensions.
+    fn seen_through(&self, a: &Run, b: &Run, end: Point, corner: Point, start: Point) -> bool {
+        let low = a.last.saturating_sub(8).max(a.first);
+        let near = |run: &Run, from_end: bool| {
+            let range = if from_end {
+                low..=run.last
+            } else {
+                run.first..=run.last.min(run.first + 8)
+            };
+            self.samples[range].iter()
+        };
+        near(a, true).chain(near(b, false)).any(|s| {
+            let beam = s.point - s.from;
+            let length = beam.norm();
+            let stop = s.from + beam * ((length - 0.012 - 3.0 * self.sigma) / length).max(0.0);
+            segments_meet(s.from, stop, end, corner) || segments_meet(s.from, stop, corner, start)
+        })
+    }
+
+    /// The end of a thin wall, whose end face gave no contacts: both faces are drawn out to where
+    /// the beams that slid off say that it ends.
+    fn thin_end(&self, a: &Run, b: &Run) -> Option<Joint> {
+        let (Model::Line { direction: u, .. }, Model::Line { direction: v, .. }) =
+            (a.model, b.model)
+        else {
+            return None;
+        };
+        let (end, start) = (self.foot(a, a.last), self.foot(b, b.first));
+        if u.dot(&v) > -0.8 || (end - start).norm() > 0.25 {
+            return None;
+        }
+        let along = |p: Point| (p - end).dot(&u);
+        let tip = self.samples[a.last]
+            .edges
+            .iter()
+            .map(|&p| along(p))
+            .filter(|&s| s < 0.12)
+            .fold(along(start).max(0.0), f64::max);
+        Some(Joint {
+            end: end + u * tip,
+            start: start - v * (tip + (start - end).dot(&v)).max(0.0),
+        })
+    }
+}
+
+/// Unit direction of travel along the run's line or circle at `p`.
+fn heading(model: &Model, p: Point) -> Option<Vector> {
+    match *model {
+        Model::Lone(_) => None,
+        Model::Line { direction, .. } => Some(direction),
+        Model::Arc { center, hollow, .. } => {
+            let out = (p - center).try_normalize(1e-9)?;
+            let forward = crate::geometry::perp(out);
+            Some(if hollow { forward } else { -forward })
+        }
+    }
+}
+
+/// Where two models meet; a near miss of at most `slack` counts as touching.
+fn intersections(a: &Model, b: &Model, slack: f64) -> [Option<Point>; 2] {
+    match (*a, *b) {
+        (Model::Lone(_), _) | (_, Model::Lone(_)) => [None, None],
+        (
+            Model::Line { center, direction },
+            Model::Line {
+                center: other,
+                direction: along,
+            },
+        ) => {
+            let sine = cross(direction, along);
+            if sine.abs() < 0.01 {
+                return [None, None];
+            }
+            let t = cross(other - center, along) / sine;
+            [Some(center + direction * t), None]
+        }
+        (
+            Model::Line { center, direction },
+            Model::Arc {
+                center: hub,
+                radius,
+                ..
+            },
+        )
+        | (
+            Model::Arc {
+                center: hub,
+                radius,
+                ..
+            },
+            Model::Line { center, direction },
+        ) => {
+            let foot = center + direction * (hub - center).dot(&direction);
+            chord(
+                foot,
+                direction,
+                radius * radius - (hub - foot).norm_squared(),
+                radius,
+                slack,
+            )
+        }
+        (
+            Model::Arc {
+                center: p,
+                radius: r,
+                ..
+            },
+            Model::Arc {
+                center: q,
+                radius: s,
+                ..
+            },
+        ) => {
+            let between = q - p;
+            let gap = between.norm();
+            if gap < 1e-6 {
+                return [None, None];
+            }
+            let along = (gap * gap + r * r - s * s) / (2.0 * gap);
+            let foot = p + between * (along / gap);
+            let across = crate::geometry::perp(between) / gap;
+            chord(foot, across, r * r - along * along, r.min(s), slack)
+        }
+    }
+}
+
+/// The two points `square.sqrt()` either side of `foot`; `foot` itself where they touch within
+/// `slack`.
+fn chord(
+    foot: Point,
+    direction: Vector,
+    square: f64,
+    radius: f64,
+    slack: f64,
+) -> [Option<Point>; 2] {
+    let touching = 2.0 * radius * slack;
+    if square < -touching {
+        [None, None]
+    } else if square < touching {
+        [Some(foot), None]
+    } else {
+        let half = direction * square.sqrt();
+        [Some(foot - half), Some(foot + half)]
+    }
+}

@@ -1,0 +1,65 @@
+//! Outlines of extrinsic objects, which the robot met from outside.
+
+use super::classify::SHALLOW;
+use super::order;
+use crate::geometry::hull::{deepest_bay, jarvis};
+use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::mapping::map::{Contact, ContactKind, ObjectClass};
+
+/// The robot's reach only bounds inner corners of a bay here, metres.
+const REACH: f64 = 0.16;
+/// How far a corner may be from a right angle, radians.
+const RIGHT: f64 = 5.0 * angle::PI / 180.0;
+
+/// The surface of an object from its contacts in time order, counter-clockwise, and what it looks
+/// like. When it is not `closed`, the ring is the chain of contacts closed by a chord.
+#[must_use]
+pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass) {
+    if !closed {
+        return (chain(contacts), ObjectClass::Open);
+    }
+    let hull = hull(contacts);
+    // The floor lies outside: the fitted ring runs clockwise round the solid.
+    let ring = super::fitted(contacts, REACH)
+        .map(|ring| ring.reversed())
+        .filter(|ring| ring.area() > 0.6 * hull.area())
+        .unwrap_or(hull);
+    let class = class(&ring);
+    (ring, class)
+}
+
+fn class(ring: &Ring) -> ObjectClass {
+    if matches!(ring.pieces[..], [Piece::Arc { .. }]) {
+        return ObjectClass::Circle;
+    }
+    let count = ring.pieces.len();
+    let right = (0..count).all(|k| {
+        let (u, v) = (
+            ring.pieces[k].tangent(1.0),
+            ring.pieces[(k + 1) % count].tangent(0.0),
+        );
+        (angle::atan2(cross(u, v), u.dot(&v)) - angle::FRAC_PI_2).abs() < RIGHT
+    });
+    if count == 4 && right {
+        ObjectClass::Rectangle
+    } else if deepest_bay(&ring.to_points(1e-3)) < SHALLOW {
+        ObjectClass::Convex
+    } else {
+        ObjectClass::Concave
+    }
+}
+
+fn hull(contacts: &[Contact]) -> Ring {
+    let points: Vec<Point> = contacts.iter().map(|c| c.point).collect();
+    let corners: Vec<Point> = jarvis(&points).into_iter().map(|k| points[k]).collect();
+    Ring::polygon(&corners)
+}
+
+fn chain(contacts: &[Contact]) -> Ring {
+    let points: Vec<Point> = order::along_wall(contacts)
+        .iter()
+        .filter(|c| c.kind != ContactKind::Edge)
+        .map(|c| c.point)
+        .collect();
+    Ring::polygon(&points).counter_clockwise()
+}

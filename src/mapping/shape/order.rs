@@ -1,0 +1,214 @@
+//! Puts contacts into their order along the wall. Time order is nearly right: swings look ahead
+//! and behind, and at an inner corner the front switch meets the next wall before the side switch
+//! has left this one. The order wanted is the shortest way through all of them, near to the order
+//! in time. Knows nothing of lines and arcs.
+
+use crate::geometry::{Point, Vector, cross};
+use crate::mapping::map::{Contact, ContactKind};
+
+/// How far a contact may be moved in the order, in places.
+const WINDOW: usize = 24;
+/// Longest stretch that is moved as one.
+const CHAIN: usize = 4;
+/// What turning to see the surface from the opposite side counts as, metres: keeps the two faces
+/// of a thin wall apart.
+const SIDE: f64 = 0.06;
+/// How much wall at most is seen twice at the end of a lap, metres of travel.
+const OVERLAP: f64 = 1.6;
+
+/// Contacts in order along the wall, floor on the left of the way; the last adjoins the first.
+/// Edge contacts are put where they fit best between the others.
+pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
+    let usable = |c: &&Contact| {
+        c.point.coords.iter().all(|v| v.is_finite()) && c.from.coords.iter().all(|v| v.is_finite())
+    };
+    let (edges, mut surface): (Vec<Contact>, Vec<Contact>) = contacts
+        .iter()
+        .filter(usable)
+        .copied()
+        .partition(|c| c.kind == ContactKind::Edge);
+    surface.truncate(end_of_lap(&surface));
+    shorten(&mut surface);
+    let half = surface.len() / 2;
+    surface.rotate_left(half);
+    shorten(&mut surface);
+    if !floor_on_left(&surface) {
+        surface.reverse();
+    }
+    insert_edges(&mut surface, &edges);
+    surface
+}
+
+/// How many contacts belong to the first time round: where the tail comes nearest to the first
+/// contact, seen from the same place, the lap is over.
+fn end_of_lap(contacts: &[Contact]) -> usize {
+    let count = contacts.len();
+    let Some(first) = contacts.first() else {
+        return 0;
+    };
+    let off = |c: &Contact| (c.point - first.point).norm() + (c.from - first.from).norm();
+    let mut travelled = 0.0;
+    let mut best = (f64::INFINITY, count);
+    for k in (count / 2 + 1..count).rev() {
+        if k + 1 < count {
+            travelled += (contacts[k + 1].from - contacts[k].from).norm();
+        }
+        if travelled > OVERLAP {
+            break;
+        }
+        if off(&contacts[k]) < best.0 {
+            best = (off(&contacts[k]), k + 1);
+        }
+    }
+    best.1
+}
+
+/// Whether the floor, where the robot was, lies on the left of the way.
+fn floor_on_left(contacts: &[Contact]) -> bool {
+    let votes: f64 = contacts
+        .windows(2)
+        .map(|pair| {
+            let step = pair[1].point - pair[0].point;
+            cross(step, pair[0].from - pair[0].point) + cross(step, pair[1].from - pair[1].point)
+        })
+        .sum();
+    votes >= 0.0
+}
+
+/// A contact lifted out of the plane by the side it was seen from.
+#[derive(Clone, Copy)]
+struct Lifted {
+    point: Point,
+    side: Vector,
+}
+
+impl Lifted {
+    fn of(contact: &Contact) -> Self {
+        let side = (contact.from - contact.point)
+            .try_normalize(1e-9)
+            .unwrap_or_else(Vector::zeros);
+        Self {
+            point: contact.point,
+            side: side * SIDE,
+        }
+    }
+
+    fn distance(&self, other: &Self) -> f64 {
+        let planar = (self.point - other.point).norm_squared();
+        let turned = (self.side - other.side).norm_squared();
+        // Half a turn counts in full, small differences of bearing hardly at all.
+        (planar + turned * turned / (4.0 * SIDE * SIDE)).sqrt()
+    }
+}
+
+/// Shortens the way through the contacts by reversing and moving short stretches; the ends stay.
+fn shorten(contacts: &mut Vec<Contact>) {
+    let mut order: Vec<usize> = (0..contacts.len()).collect();
+    let lifted: Vec<Lifted> = contacts.iter().map(Lifted::of).collect();
+    for _ in 0..8 {
+        let reversed = reverse_stretches(&mut order, &lifted);
+        let moved = move_stretches(&mut order, &lifted);
+        if !reversed && !moved {
+            break;
+        }
+    }
+    *contacts = order.iter().map(|&k| contacts[k]).collect();
+}
+
+fn reverse_stretches(order: &mut [usize], lifted: &[Lifted]) -> bool {
+    let distance = |a: usize, b: usize| lifted[a].distance(&lifted[b]);
+    let mut improved = false;
+    for i in 0..order.len().saturating_sub(3) {
+        let before = distance(order[i], order[i + 1]);
+        for k in i + 2..(i + WINDOW).min(order.len() - 1) {
+            let joined = distance(order[i], order[k]);
+            if joined >= before {
+                continue;
+            }
+            let change = joined + distance(order[i + 1], order[k + 1])
+                - before
+                - distance(order[k], order[k + 1]);
+            if change < -1e-7 {
+                order[i + 1..=k].reverse();
+                improved = true;
+                break;
+            }
+        }
+    }
+    improved
+}
+
+fn move_stretches(order: &mut [usize], lifted: &[Lifted]) -> bool {
+    let mut improved = false;
+    for length in 1..=CHAIN {
+        for at in 1..order.len().saturating_sub(length + 1) {
+            improved |= move_stretch(order, lifted, at, length);
+        }
+    }
+    improved
+}
+
+/// Moves the stretch of `length` contacts at `at` to the best place within the window.
+fn move_stretch(order: &mut [usize], lifted: &[Lifted], at: usize, length: usize) -> bool {
+    let distance = |a: usize, b: usize| lifted[a].distance(&lifted[b]);
+    let (before, after) = (order[at - 1], order[at + length]);
+    let (head, tail) = (order[at], order[at + length - 1]);
+    let gain = distance(before, head) + distance(tail, after) - distance(before, after);
+    if gain < 1e-7 {
+        return false;
+    }
+    let low = at.saturating_sub(WINDOW);
+    let high = (at + length + WINDOW).min(order.len() - 1);
+    let mut best = (gain - 1e-7, None);
+    for k in (low..at - 1).chain(at + length..high) {
+        let (left, right) = (order[k], order[k + 1]);
+        let to_head = distance(left, head);
+        let to_tail = distance(left, tail);
+        if to_head >= best.0 && to_tail >= best.0 {
+            continue;
+        }
+        let open = distance(left, right);
+        let straight = to_head + distance(tail, right) - open;
+        let turned = to_tail + distance(head, right) - open;
+        if straight.min(turned) < best.0 {
+            best = (straight.min(turned), Some((k, turned < straight)));
+        }
+    }
+    let Some((k, turned)) = best.1 else {
+        return false;
+    };
+    if turned {
+        order[at..at + length].reverse();
+    }
+    if k < at {
+        order[k + 1..at + length].rotate_right(length);
+    } else {
+        order[at..=k].rotate_left(length);
+    }
+    true
+}
+
+fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
+    let count = surface.len();
+    if count == 0 {
+        return;
+    }
+    let lifted: Vec<Lifted> = surface.iter().map(Lifted::of).collect();
+    let mut places: Vec<(usize, Contact)> = edges
+        .iter()
+        .map(|edge| {
+            let here = Lifted::of(edge);
+            let detour = |k: usize| {
+                let next = (k + 1) % count;
+                lifted[k].distance(&here) + here.distance(&lifted[next])
+                    - lifted[k].distance(&lifted[next])
+            };
+            let place = (0..count).min_by(|&a, &b| detour(a).total_cmp(&detour(b)));
+            (place.unwrap_or(0), *edge)
+        })
+        .collect();
+    places.sort_by_key(|place| place.0);
+    for (place, edge) in places.into_iter().rev() {
+        surface.insert(place + 1, edge);
+    }
+}

@@ -1,0 +1,299 @@
+//! Cuts the ordered contacts into runs that one line or one arc explains, by dynamic programming:
+//! the cheapest explanation of all contacts, where each run costs a fixed penalty and each
+//! contact the square of its distance in units of the noise. Knows nothing of corners.
+
+use super::Sample;
+use crate::geometry::fit::{CircleFit, LineFit, Moments};
+use crate::geometry::{Point, Vector, angle, cross};
+
+/// What a straight run or a lone contact costs.
+const LINE_PENALTY: f64 = 11.0;
+/// What a circular run costs: it has one number more, and should not replace a corner.
+const ARC_PENALTY: f64 = 18.0;
+/// Longest run that is tried, in contacts; longer ones come from merging.
+const LONGEST: usize = 220;
+/// Fewest contacts that may make an arc.
+const ARC_CONTACTS: usize = 7;
+/// An arc must span this much at least, radians: 25 degrees.
+pub(super) const ARC_SPAN: f64 = 25.0 * angle::PI / 180.0;
+/// Two neighbours on one piece may lie this far apart at most, metres.
+const WIDEST_GAP: f64 = 0.5;
+/// Smallest radius of an arc with the floor inside it, metres: the body could not have been there
+/// otherwise.
+const HOLLOW_RADIUS: f64 = 0.25;
+/// Smallest radius of an arc that bulges into the floor, metres.
+const BULGE_RADIUS: f64 = 0.03;
+/// Largest radius that is told from a straight wall, metres.
+const LARGEST_RADIUS: f64 = 40.0;
+
+/// What explains a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Model {
+    /// Nothing but the contact itself.
+    Lone(Point),
+    /// A straight wall through `center`, travelled along the unit vector `direction`.
+    Line { center: Point, direction: Vector },
+    /// A circular wall; `hollow` when the floor lies inside the circle (counter-clockwise way).
+    Arc {
+        center: Point,
+        radius: f64,
+        hollow: bool,
+    },
+}
+
+/// Contacts `first..=last` and what explains them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run {
+    pub(super) first: usize,
+    pub(super) last: usize,
+    pub(super) model: Model,
+}
+
+impl Run {
+    /// Distance of `p` from the (unbounded) line or circle, metres.
+    pub(super) fn distance(&self, p: Point) -> f64 {
+        match self.model {
+            Model::Lone(at) => (p - at).norm(),
+            Model::Line { center, direction } => cross(direction, p - center).abs(),
+            Model::Arc { center, radius, .. } => ((p - center).norm() - radius).abs(),
+        }
+    }
+}
+
+/// The runs of `samples`, which are rotated so that no run wraps round their end. `sigma` is the
+/// noise of a contact, metres.
+pub(super) fn runs(samples: &mut [Sample], sigma: f64) -> Vec<Run> {
+    let mut found = cheapest(samples, sigma);
+    // The seam was arbitrary: begin again where a run ends, far from it.
+    if let Some(run) = found.get(found.len() / 2) {
+        let shift = run.first;
+        samples.rotate_left(shift);
+        found = cheapest(samples, sigma);
+    }
+    merge(samples, &mut found, sigma);
+    merge_over_seam(samples, &mut found, sigma);
+    found
+}
+
+#[derive(Clone, Copy)]
+struct Step {
+    cost: f64,
+    from: usize,
+    model: Model,
+}
+
+fn cheapest(samples: &[Sample], sigma: f64) -> Vec<Run> {
+    let count = samples.len();
+    let start = Step {
+        cost: 0.0,
+        from: 0,
+        model: Model::Lone(Point::origin()),
+    };
+    let unknown = Step {
+        cost: f64::INFINITY,
+        ..start
+    };
+    let mut best = vec![unknown; count + 1];
+    best[0] = start;
+    for i in 0..count {
+        extend(samples, sigma, i, &mut best);
+    }
+    let mut runs = Vec::new();
+    let mut end = count;
+    while end > 0 {
+        let step = best[end];
+        runs.push(Run {
+            first: step.from,
+            last: end - 1,
+            model: step.model,
+        });
+        end = step.from;
+    }
+    runs.reverse();
+    runs
+}
+
+/// Tries all runs that begin at contact `i`.
+fn extend(samples: &[Sample], sigma: f64, i: usize, best: &mut [Step]) {
+    let base = best[i].cost;
+    let mut offer = |end: usize, cost: f64, model: Model| {
+        if base + cost < best[end].cost {
+            best[end] = Step {
+                cost: base + cost,
+                from: i,
+                model,
+            };
+        }
+    };
+    offer(i + 1, LINE_PENALTY, Model::Lone(samples[i].point));
+    let mut moments = Moments::new(samples[i].point);
+    moments.add(samples[i].point, samples[i].weight);
+    let unit = sigma * sigma;
+    let mut hopeless = 0;
+    for k in i + 1..samples.len().min(i + LONGEST) {
+        if (samples[k].point - samples[k - 1].point).norm() > WIDEST_GAP {
+            break;
+        }
+        moments.add(samples[k].point, samples[k].weight);
+        let mut fits = false;
+        if let Some(line) = moments.line() {
+            let cost = line.residual / unit;
+            fits |= cost < 4.0 * (k - i + 4) as f64;
+            offer(
+                k + 1,
+                LINE_PENALTY + cost,
+                line_model(&line, samples[i].point, samples[k].point),
+            );
+        }
+        if k - i + 1 >= ARC_CONTACTS
+            && let Some(circle) = moments.circle()
+        {
+            let cost = circle.residual / unit;
+            let close = cost < 4.0 * (k - i + 4) as f64;
+            fits |= close;
+            if close && let Some(model) = arc_model(&circle, &samples[i..=k]) {
+                offer(k + 1, ARC_PENALTY + cost, model);
+            }
+        }
+        hopeless = if fits || k - i < ARC_CONTACTS {
+            0
+        } else {
+            hopeless + 1
+        };
+        if hopeless > 4 {
+            break;
+        }
+    }
+}
+
+fn line_model(line: &LineFit, first: Point, last: Point) -> Model {
+    let forward = line.direction.dot(&(last - first)) >= 0.0;
+    Model::Line {
+        center: line.center,
+        direction: if forward {
+            line.direction
+        } else {
+            -line.direction
+        },
+    }
+}
+
+/// The arc that a circle makes of a run; none where the radius, the span or the gaps between the
+/// contacts forbid one.
+fn arc_model(circle: &CircleFit, samples: &[Sample]) -> Option<Model> {
+    if circle.radius > LARGEST_RADIUS || circle.radius < BULGE_RADIUS {
+        return None;
+    }
+    let bearing = |s: &Sample| s.point - circle.center;
+    let (first, last) = (samples.first()?, samples.last()?);
+    let middle = &samples[samples.len() / 2];
+    let span = turn(bearing(first), bearing(middle)) + turn(bearing(middle), bearing(last));
+    let hollow = span > 0.0;
+    let floor_inside = (middle.from - circle.center).norm() < circle.radius;
+    let smallest = if hollow { HOLLOW_RADIUS } else { BULGE_RADIUS };
+    if span.abs() < ARC_SPAN || hollow != floor_inside || circle.radius < smallest {
+        return None;
+    }
+    // A corner between two clusters of contacts is no arc.
+    let widest = samples
+        .windows(2)
+        .map(|pair| (pair[1].point - pair[0].point).norm())
+        .fold(0.0, f64::max);
+    (widest < circle.radius * (span.abs() / 3.0).min(0.9)).then_some(Model::Arc {
+        center: circle.center,
+        radius: circle.radius,
+        hollow,
+    })
+}
+
+/// Angle from `a` to `b`, radians, in (-π, π].
+fn turn(a: Vector, b: Vector) -> f64 {
+    angle::atan2(cross(a, b), a.dot(&b))
+}
+
+/// Joins neighbours that one line or arc explains within the noise; what the seam or slow drift
+/// of the pose cut in two.
+fn merge(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) {
+    loop {
+        let mut best: Option<(f64, usize, Run)> = None;
+        for k in 0..runs.len().saturating_sub(1) {
+            if let Some((worst, run)) = joined(samples, &runs[k], &runs[k + 1], sigma)
+                && best.is_none_or(|b| worst < b.0)
+            {
+                best = Some((worst, k, run));
+            }
+        }
+        let Some((_, k, run)) = best else {
+            return;
+        };
+        runs[k] = run;
+        runs.remove(k + 1);
+    }
+}
+
+fn merge_over_seam(samples: &mut [Sample], runs: &mut Vec<Run>, sigma: f64) {
+    let (Some(&first), Some(&last)) = (runs.first(), runs.last()) else {
+        return;
+    };
+    if runs.len() < 3 {
+        return;
+    }
+    let shift = samples.len() - last.first;
+    samples.rotate_right(shift);
+    let mut turned = runs.clone();
+    turned.rotate_right(1);
+    for run in &mut turned[1..] {
+        run.first += shift;
+        run.last += shift;
+    }
+    turned[0].first = 0;
+    turned[0].last = shift - 1;
+    if let Some((_, run)) = joined(samples, &turned[0], &turned[1], sigma) {
+        turned[0] = run;
+        turned.remove(1);
+        *runs = turned;
+    } else {
+        samples.rotate_left(shift);
+        debug_assert_eq!((runs[0], runs[runs.len() - 1]), (first, last));
+    }
+}
+
+/// Two neighbours as one, with its worst residual; none where that exceeds the noise.
+fn joined(samples: &[Sample], a: &Run, b: &Run, sigma: f64) -> Option<(f64, Run)> {
+    let both = &samples[a.first..=b.last];
+    let gap = (samples[b.first].point - samples[a.last].point).norm();
+    let mut moments = Moments::new(both[0].point);
+    for sample in both {
+        moments.add(sample.point, sample.weight);
+    }
+    let model = match (a.model, b.model) {
+        (Model::Line { direction: u, .. }, Model::Line { direction: v, .. }) => {
+            if turn(u, v).abs() > 0.05 || gap > WIDEST_GAP {
+                return None;
+            }
+            line_model(&moments.line()?, both[0].point, both[both.len() - 1].point)
+        }
+        (Model::Arc { hollow, .. }, _) | (_, Model::Arc { hollow, .. }) => {
+            let circle = moments.circle()?;
+            if circle.radius > LARGEST_RADIUS || gap > 0.5 * circle.radius {
+                return None;
+            }
+            Model::Arc {
+                center: circle.center,
+                radius: circle.radius,
+                hollow,
+            }
+        }
+        _ => return None,
+    };
+    let run = Run {
+        first: a.first,
+        last: b.last,
+        model,
+    };
+    let worst = both
+        .iter()
+        .map(|s| run.distance(s.point) * s.weight.sqrt())
+        .fold(0.0, f64::max);
+    (worst < 3.0 * sigma + 0.0015).then_some((worst, run))
+}

@@ -1,0 +1,787 @@
+//! The Objects phase (paper III.F): drive the plan, go round whatever is met.
+//!
+//! A line is driven in the pieces that the known objects leave free, with ways round between them.
+//! What is met is one of three things: near the boundary, and the robot carries on; a known
+//! object, and it goes round to the line again; an unknown one, which is gone round and recorded.
+//! Every touch of something mapped corrects the pose. When all lines are driven, what they could
+//! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps.
+
+use super::adjust::Adjustment;
+use super::circuit::{Circuit, Leg};
+use super::event::{EventKind, Failure};
+use super::fix::{PoseFilter, Surface};
+use super::floor::{Coverage, Floor};
+use super::follow::{Ask, AtRest, Side};
+use super::map::{
+    ContactKind, LineReason, LineStatus, MappedObject, ObjectClass, PlanLine, RoomMap,
+};
+use super::odometry::Tracker;
+use super::search::lap_contacts;
+use super::settings::{Contour, Settings};
+use super::shape::object_outline;
+use super::wall::{Sighting, Wall};
+use crate::geometry::{Point, Pose, Ring, angle};
+use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+use std::collections::VecDeque;
+
+/// A contact this near to something mapped belongs to it, metres.
+const KNOWN: f64 = 0.055;
+/// The centre keeps this beyond the body's radius from everything on a way, metres.
+const ROOM: f64 = 0.03;
+/// A way point counts as reached within this, metres.
+const REACHED: f64 = 0.008;
+/// Bumps on one line before it is given up.
+const MOST_BUMPS: u32 = 3;
+/// Extra lines at most, so that a tour always ends.
+const MOST_EXTRA: usize = 60;
+
+/// The piece of a line that is being driven.
+#[derive(Debug, Clone)]
+struct Drive {
+    id: u32,
+    from: Point,
+    to: Point,
+    /// Metres along from `from` that are done with.
+    done: f64,
+    /// Whether the piece in hand lies on the line, or is the way to it.
+    on_line: bool,
+    /// Where the piece in hand ends, metres along.
+    piece_end: f64,
+    bumps: u32,
+    skipped: bool,
+    way: VecDeque<Point>,
+    /// The same line again from the other end: an object was met (two-pass contour).
+    again: bool,
+}
+
+#[derive(Debug, Clone)]
+enum Doing {
+    Choosing,
+    Driving(Box<Drive>),
+    BackingOff(Box<Drive>),
+    Rounding {
+        circuit: Box<Circuit>,
+        drive: Box<Drive>,
+        id: u32,
+        tried_other: bool,
+    },
+}
+
+/// The tour of the plan.
+#[derive(Debug, Clone)]
+pub struct Tour {
+    chassis: Chassis,
+    alpha: f64,
+    contour: Contour,
+    floor: Option<Floor>,
+    outline: Ring,
+    doing: Doing,
+    queue: VecDeque<(u32, bool)>,
+    total: f64,
+    driven: f64,
+    wall: Wall,
+    objects: Vec<Ring>,
+    covered: usize,
+    coverage: Coverage,
+    given_up: Vec<Point>,
+    extra: usize,
+    begun: bool,
+}
+
+impl Tour {
+    /// The tour of `map.plan`.
+    #[must_use]
+    pub fn new(settings: &Settings, map: &RoomMap) -> Self {
+        let plan = map.plan.as_ref();
+        let length = |id: u32| {
+            let line = plan.and_then(|plan| plan.lines.iter().find(|line| line.id == id));
+            line.and_then(|line| line.drive)
+                .map_or(0.0, |(a, b)| (b - a).norm())
+        };
+        let queue: VecDeque<(u32, bool)> = plan
+            .map(|plan| plan.order.clone())
+            .unwrap_or_default()
+            .into();
+        Self {
+            chassis: settings.chassis.clone(),
+            alpha: settings.alpha,
+            contour: settings.contour,
+            floor: None,
+            outline: map
+                .shape
+                .as_ref()
+                .map(|shape| shape.outline.clone())
+                .unwrap_or_default(),
+            doing: Doing::Choosing,
+            total: queue.iter().map(|(id, _)| length(*id)).sum(),
+            queue,
+            driven: 0.0,
+            wall: Wall::new(&settings.chassis),
+            objects: map
+                .objects
+                .iter()
+                .map(|object| object.outline.clone())
+                .collect(),
+            covered: 0,
+            coverage: Coverage::new(),
+            given_up: Vec::new(),
+            extra: 0,
+            begun: false,
+        }
+    }
+
+    /// Whether a line was begun.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.begun
+    }
+
+    /// Share of the plan's metres that are done with, 0 to 1.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        if self.total > 0.0 {
+            (self.driven / self.total).min(1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// The contacts that are being collected.
+    #[must_use]
+    pub fn wall(&self) -> &Wall {
+        match &self.doing {
+            Doing::Rounding { circuit, .. } => &circuit.wall,
+            _ => &self.wall,
+        }
+    }
+
+    /// The same, to add to.
+    pub fn wall_mut(&mut self) -> &mut Wall {
+        match &mut self.doing {
+            Doing::Rounding { circuit, .. } => &mut circuit.wall,
+            _ => &mut self.wall,
+        }
+    }
+
+    /// The pose corrected by a contact with something mapped; none when it is nothing mapped.
+    pub fn fix(&self, filter: &mut PoseFilter, pose: Pose, seen: &Sighting) -> Option<Pose> {
+        if seen.kind != ContactKind::Range {
+            return None;
+        }
+        let surface = self.surface_at(seen.point, seen.pose.position)?;
+        filter.update(pose, seen.point, &surface)
+    }
+
+    /// The mapped surface at a contact, away from its corners, facing the robot.
+    fn surface_at(&self, point: Point, from: Point) -> Option<Surface> {
+        let ring = std::iter::once(&self.outline)
+            .chain(&self.objects)
+            .min_by(|a, b| a.distance(point).total_cmp(&b.distance(point)))?;
+        let foot = ring.nearest(point)?;
+        let piece = ring.pieces[foot.piece];
+        let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
+        if foot.distance > 0.08 || from_corner < 0.04 {
+            return None;
+        }
+        let normal = crate::geometry::perp(piece.tangent(foot.t));
+        let incidence = (from - point).normalize().dot(&normal).abs();
+        (incidence > 0.5).then_some(Surface {
+            at: foot.point,
+            normal,
+        })
+    }
+
+    fn known_distance(&self, point: Point) -> (f64, Option<usize>) {
+        let mut best = (self.outline.distance(point), None);
+        for (index, ring) in self.objects.iter().enumerate() {
+            let distance = if ring.contains(point) {
+                0.0
+            } else {
+                ring.distance(point)
+            };
+            if distance < best.0 {
+                best = (distance, Some(index));
+            }
+        }
+        best
+    }
+
+    fn floor(&mut self, from: Point) -> &Floor {
+        let objects: Vec<&Ring> = self.objects.iter().collect();
+        self.floor
+            .get_or_insert_with(|| Floor::new(&self.outline, &objects, &self.chassis, from))
+    }
+
+    /// The robot came to rest: the next motion; none when the tour is over.
+    pub fn next(
+        &mut self,
+        tracker: &mut Tracker,
+        filter: &mut PoseFilter,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        // What is believed now may have been corrected since the robot came to rest.
+        let rest = AtRest {
+            pose: tracker.pose(),
+            ..*rest
+        };
+        let mut reason = Some(rest.reason);
+        for _ in 0..200 {
+            match std::mem::replace(&mut self.doing, Doing::Choosing) {
+                Doing::Choosing => {
+                    let drive = self.choose(tracker, &rest, map, tell)?;
+                    self.doing = Doing::Driving(Box::new(drive));
+                    reason = None;
+                }
+                Doing::BackingOff(mut drive) => {
+                    drive.way.clear();
+                    self.doing = Doing::Driving(drive);
+                    reason = None;
+                }
+                Doing::Driving(drive) => {
+                    if let Some(ask) = self.drive(drive, reason.take(), tracker, &rest, map, tell) {
+                        return Some(ask);
+                    }
+                }
+                Doing::Rounding {
+                    circuit,
+                    drive,
+                    id,
+                    tried_other,
+                } => {
+                    let round = Round {
+                        circuit,
+                        drive,
+                        id,
+                        tried_other,
+                    };
+                    if let Some(ask) = self.round(round, tracker, filter, &rest, map, tell) {
+                        return Some(ask);
+                    }
+                    reason = None;
+                }
+            }
+        }
+        None
+    }
+
+    fn choose(
+        &mut self,
+        tracker: &Tracker,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Drive> {
+        self.begun = true;
+        while let Some((id, backwards)) = self.queue.pop_front() {
+            let line = map
+                .plan
+                .as_mut()?
+                .lines
+                .iter_mut()
+                .find(|line| line.id == id)?;
+            let Some((a, b)) = line.drive else {
+                finish(line, LineStatus::Skipped, Some(LineReason::NoClearance));
+                continue;
+            };
+            let (from, to) = if backwards { (b, a) } else { (a, b) };
+            line.status = LineStatus::Driving;
+            tell.push(EventKind::LineBegan { id, backwards });
+            return Some(Drive::new(id, from, to));
+        }
+        self.extra_line(tracker, rest, map, tell)
+    }
+
+    /// A line through the largest disc that is still hidden, if it is too large.
+    fn extra_line(
+        &mut self,
+        tracker: &Tracker,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Drive> {
+        let path = tracker.path();
+        for point in &path[self.covered..] {
+            self.coverage.push(point.pose.position);
+        }
+        self.covered = path.len();
+        let target = self.alpha - 0.012;
+        let clearance = self.chassis.radius + ROOM;
+        let coverage = self.coverage.clone();
+        let given_up = self.given_up.clone();
+        let extra = self.extra;
+        let floor = self.floor(rest.pose.position);
+        let spots = coverage.spots(floor, target.max(0.05));
+        map.hidden_disc = Some(coverage.largest(floor).map_or(0.0, |disc| disc.diameter));
+        if extra >= MOST_EXTRA {
+            return None;
+        }
+        let spot = spots
+            .iter()
+            .filter(|spot| given_up.iter().all(|p| (p - spot.at).norm() > 0.06))
+            .max_by(|a, b| a.diameter.total_cmp(&b.diameter))?;
+        let at = spot.at;
+        let chord = best_chord(floor, at, spot.diameter, clearance);
+        self.extra += 1;
+        self.given_up.push(at);
+        let (from, to) = chord.unwrap_or((at, at));
+        let near = |p: &Point| (p - rest.pose.position).norm();
+        let (from, to) = if near(&to) < near(&from) {
+            (to, from)
+        } else {
+            (from, to)
+        };
+        let plan = map.plan.as_mut()?;
+        let id = plan.lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
+        plan.lines.push(PlanLine {
+            id,
+            part: 0,
+            vertex: 0,
+            start: from,
+            end: to,
+            angle: 0.0,
+            drive: Some((from, to)),
+            status: LineStatus::Driving,
+            reason: None,
+        });
+        tell.push(EventKind::LineBegan {
+            id,
+            backwards: false,
+        });
+        Some(Drive::new(id, from, to))
+    }
+
+    fn drive(
+        &mut self,
+        mut drive: Box<Drive>,
+        reason: Option<DoneReason>,
+        tracker: &Tracker,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        match reason {
+            Some(DoneReason::Guard {
+                sensor,
+                rising: true,
+            }) => {
+                if let Some(seen) = self
+                    .wall
+                    .log()
+                    .iter()
+                    .rev()
+                    .find(|s| s.sensor == Some(sensor))
+                    .copied()
+                {
+                    match self.known_distance(seen.point) {
+                        (distance, None) if distance < KNOWN => tell.push(EventKind::NearBoundary),
+                        (distance, Some(_)) if distance < KNOWN => {}
+                        _ => {
+                            let name = self.chassis.sensors[sensor].name.clone();
+                            let bearing = self.chassis.sensors[sensor].angle;
+                            return self.meet(drive, seen, bearing, name, map, tell);
+                        }
+                    }
+                }
+            }
+            Some(DoneReason::Bumper | DoneReason::Stalled) => {
+                drive.bumps += 1;
+                let seen = self.wall.log().last().copied();
+                if let Some(seen) = seen
+                    && self.known_distance(seen.point).0 > KNOWN
+                {
+                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), map, tell);
+                }
+                if drive.bumps >= MOST_BUMPS {
+                    self.end_line(
+                        &drive,
+                        LineStatus::Blocked,
+                        Some(LineReason::ObjectOnLine),
+                        map,
+                        tell,
+                    );
+                    return None;
+                }
+                self.doing = Doing::BackingOff(drive);
+                return Some(Ask {
+                    motion: Motion::Move {
+                        distance: -0.04,
+                        speed: f64::INFINITY,
+                    },
+                    guard: Guard::default(),
+                    why: "touched something mapped: backing off",
+                });
+            }
+            _ => {}
+        }
+        if drive.way.is_empty() && !self.plan_piece(&mut drive, rest.pose.position) {
+            let reached = drive.done > 0.5 * (drive.to - drive.from).norm() || !drive.skipped;
+            if reached && !drive.skipped {
+                self.end_line(&drive, LineStatus::Driven, None, map, tell);
+            } else {
+                self.end_line(
+                    &drive,
+                    LineStatus::Blocked,
+                    Some(LineReason::ObjectOnLine),
+                    map,
+                    tell,
+                );
+            }
+            return None;
+        }
+        let _ = tracker;
+        self.towards(drive, rest)
+    }
+
+    /// The next motion towards the next way point; none when it was reached.
+    fn towards(&mut self, mut drive: Box<Drive>, rest: &AtRest) -> Option<Ask> {
+        while let Some(&goal) = drive.way.front() {
+            let off = goal - rest.pose.position;
+            let distance = off.norm();
+            if distance > REACHED {
+                let turn = angle::wrap(angle::of(off) - rest.pose.heading);
+                let on_line = drive.on_line;
+                let slack = (0.004 / distance).clamp(0.008, 0.2);
+                let ask = if turn.abs() > slack {
+                    Ask {
+                        motion: Motion::Turn {
+                            angle: turn,
+                            rate: f64::INFINITY,
+                        },
+                        guard: Guard::default(),
+                        why: if on_line {
+                            "facing along the line"
+                        } else {
+                            "facing along the way"
+                        },
+                    }
+                } else {
+                    Ask {
+                        motion: Motion::Move {
+                            distance,
+                            speed: f64::INFINITY,
+                        },
+                        guard: Guard {
+                            rise: self.watched(),
+                            fall: SwitchSet::EMPTY,
+                        },
+                        why: if on_line {
+                            "driving the line"
+                        } else {
+                            "on the way to the line"
+                        },
+                    }
+                };
+                self.doing = Doing::Driving(drive);
+                return Some(ask);
+            }
+            drive.way.pop_front();
+            if drive.way.is_empty() && drive.on_line {
+                self.driven += drive.piece_end - drive.done;
+                drive.done = drive.piece_end;
+            }
+        }
+        self.doing = Doing::Driving(drive);
+        None
+    }
+
+    /// All switches but those that look back.
+    fn watched(&self) -> SwitchSet {
+        self.chassis
+            .sensors
+            .iter()
+            .enumerate()
+            .fold(SwitchSet::EMPTY, |set, (index, mount)| {
+                set.with(index, mount.angle.abs() < 1.8)
+            })
+    }
+
+    /// Finds the next free piece of the line, or the way to it; false when the line is done with.
+    fn plan_piece(&mut self, drive: &mut Drive, at: Point) -> bool {
+        let clearance = self.chassis.radius + ROOM;
+        let length = (drive.to - drive.from).norm();
+        let floor = self.floor(at);
+        for _ in 0..40 {
+            let Some((begin, end)) = drive.free_piece(floor, clearance - 0.004) else {
+                if length - drive.done > 0.05 {
+                    drive.skipped = true;
+                }
+                return false;
+            };
+            if begin - drive.done > 0.05 {
+                drive.skipped = true;
+            }
+            let (first, last) = (drive.at(begin), drive.at(end));
+            drive.done = begin;
+            if (first - at).norm() < 2.0 * REACHED {
+                drive.way = VecDeque::from([last]);
+                drive.on_line = true;
+                drive.piece_end = end;
+                return true;
+            }
+            if let Some(way) = floor.route(at, first, clearance - 0.01) {
+                drive.way = way.into_iter().skip(1).collect();
+                drive.on_line = false;
+                return true;
+            }
+            drive.skipped = true;
+            drive.done = end + 0.01;
+        }
+        false
+    }
+
+    fn end_line(
+        &mut self,
+        drive: &Drive,
+        status: LineStatus,
+        reason: Option<LineReason>,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) {
+        self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);
+        let line = map
+            .plan
+            .as_mut()
+            .and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
+        if let Some(line) = line {
+            finish(line, status, reason);
+        }
+        tell.push(match reason {
+            None => EventKind::LineDriven { id: drive.id },
+            Some(reason) => EventKind::LineEnded {
+                id: drive.id,
+                reason,
+            },
+        });
+        if self.contour == Contour::TwoPass && drive.again {
+            self.queue.push_front((drive.id, true));
+        }
+        self.doing = Doing::Choosing;
+    }
+
+    /// Something unknown: goes round it.
+    fn meet(
+        &mut self,
+        mut drive: Box<Drive>,
+        seen: Sighting,
+        bearing: f64,
+        by: String,
+        map: &RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        let id = map.objects.len() as u32 + 1;
+        tell.push(EventKind::ObjectFound { id, by });
+        // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
+        let side = if bearing > 0.1 {
+            Side::Left
+        } else {
+            Side::Right
+        };
+        drive.way.clear();
+        let mut wall = Wall::new(&self.chassis);
+        wall.adopt(seen);
+        let circuit = Box::new(Circuit::new(&self.chassis, side, wall, 0.25));
+        self.doing = Doing::Rounding {
+            circuit,
+            drive,
+            id,
+            tried_other: false,
+        };
+        None
+    }
+
+    fn round(
+        &mut self,
+        mut round: Round,
+        tracker: &mut Tracker,
+        filter: &mut PoseFilter,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        if self.is_at_boundary(&round.circuit) {
+            return self.left_open(round, Failure::WallLost, map, tell);
+        }
+        match round.circuit.next(tracker, rest) {
+            Leg::Go(ask) => {
+                let Round {
+                    circuit,
+                    drive,
+                    id,
+                    tried_other,
+                } = round;
+                self.doing = Doing::Rounding {
+                    circuit,
+                    drive,
+                    id,
+                    tried_other,
+                };
+                Some(ask)
+            }
+            Leg::Closed(closure, misclosure) if closure.is_extrinsic() => {
+                let adjustment = Adjustment::new(tracker.path(), &closure, &misclosure);
+                let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
+                let (outline, class) = object_outline(&contacts, true);
+                self.objects.push(outline.clone());
+                map.objects.push(MappedObject {
+                    id: round.id,
+                    class,
+                    outline,
+                    closed: true,
+                    contacts,
+                });
+                tell.push(EventKind::ObjectClosed { id: round.id });
+                tracker.correct(adjustment.pose(tracker.pose(), tracker.time_us()));
+                let _ = filter;
+                self.resume(round.drive);
+                None
+            }
+            Leg::Closed(..) => self.left_open(round, Failure::LapEndless, map, tell),
+            Leg::Failed(why) => self.left_open(round, why, map, tell),
+        }
+    }
+
+    /// Whether the round has run on to the boundary: there is no passage between.
+    fn is_at_boundary(&self, circuit: &Circuit) -> bool {
+        let log = circuit.wall.log();
+        let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
+        recent.len() == 14
+            && recent
+                .iter()
+                .all(|seen| self.outline.distance(seen.point) < KNOWN)
+    }
+
+    fn left_open(
+        &mut self,
+        round: Round,
+        why: Failure,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        let contacts: Vec<_> = round
+            .circuit
+            .wall
+            .log()
+            .iter()
+            .filter(|seen| seen.alive && self.outline.distance(seen.point) > KNOWN)
+            .map(Sighting::contact)
+            .collect();
+        tell.push(EventKind::ObjectOpen { id: round.id, why });
+        if contacts.len() >= 3 {
+            let (outline, _) = object_outline(&contacts, false);
+            self.objects.push(outline.clone());
+            map.objects.push(MappedObject {
+                id: round.id,
+                class: ObjectClass::Open,
+                outline,
+                closed: false,
+                contacts,
+            });
+        }
+        self.resume(round.drive);
+        None
+    }
+
+    fn resume(&mut self, mut drive: Box<Drive>) {
+        self.floor = None;
+        self.wall.clear();
+        drive.way.clear();
+        drive.again = self.contour == Contour::TwoPass && !drive.again;
+        self.doing = Doing::Driving(drive);
+    }
+}
+
+/// A round under way, taken out of the state while it is looked at.
+struct Round {
+    circuit: Box<Circuit>,
+    drive: Box<Drive>,
+    id: u32,
+    tried_other: bool,
+}
+
+impl Drive {
+    fn new(id: u32, from: Point, to: Point) -> Self {
+        Self {
+            id,
+            from,
+            to,
+            done: 0.0,
+            on_line: false,
+            piece_end: 0.0,
+            bumps: 0,
+            skipped: false,
+            way: VecDeque::new(),
+            again: false,
+        }
+    }
+
+    /// The place `along` metres along the line.
+    fn at(&self, along: f64) -> Point {
+        let length = (self.to - self.from).norm();
+        if length < 1e-9 {
+            self.from
+        } else {
+            self.from + (self.to - self.from) * (along / length)
+        }
+    }
+
+    /// The next stretch, from what is done on, in which the body has `clearance`: metres along.
+    fn free_piece(&self, floor: &Floor, clearance: f64) -> Option<(f64, f64)> {
+        let length = (self.to - self.from).norm();
+        if length < 0.02 {
+            let fresh = self.done <= 0.0 && self.piece_end <= 0.0;
+            return (fresh && floor.clearance(self.from) >= clearance).then_some((0.0, 0.001));
+        }
+        let steps = (length / 0.01).ceil();
+        let mut piece: Option<(f64, f64)> = None;
+        for k in 0..=steps as u32 {
+            let along = length * f64::from(k) / steps;
+            if along + 1e-9 < self.done {
+                continue;
+            }
+            if floor.clearance(self.at(along)) >= clearance {
+                piece = Some((piece.map_or(along, |(begin, _)| begin), along));
+            } else if piece.is_some_and(|(begin, end)| end - begin > 0.03) {
+                return piece;
+            } else {
+                piece = None;
+            }
+        }
+        piece.filter(|(begin, end)| end - begin > 0.015)
+    }
+}
+
+fn finish(line: &mut PlanLine, status: LineStatus, reason: Option<LineReason>) {
+    line.status = status;
+    line.reason = reason;
+}
+
+/// The longest straight drive through the middle of a hidden disc, or past it, of a few directions.
+fn best_chord(floor: &Floor, at: Point, diameter: f64, clearance: f64) -> Option<(Point, Point)> {
+    let mut best: Option<(Point, Point)> = None;
+    for k in 0..12 {
+        let direction = angle::unit(f64::from(k) * angle::PI / 12.0);
+        let reach = |sign: f64| {
+            let most = (diameter * 30.0) as i32;
+            (0..=most)
+                .map(|step| at + direction * (sign * f64::from(step) * 0.02))
+                .take_while(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
+                .last()
+        };
+        if let (Some(a), Some(b)) = (reach(-1.0), reach(1.0))
+            && best.is_none_or(|(p, q)| (b - a).norm() > (q - p).norm())
+        {
+            best = Some((a, b));
+        }
+    }
+    best.or_else(|| {
+        // The middle itself is out of reach: the nearest place that is not.
+        let ring = (1..=16).flat_map(|ring| {
+            (0..24).map(move |k| at + angle::unit(f64::from(k) * 0.2618) * (f64::from(ring) * 0.01))
+        });
+        ring.into_iter()
+            .find(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
+            .map(|p| (p, p))
+    })
+}

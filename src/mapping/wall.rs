@@ -1,0 +1,376 @@
+//! What the switches have said of the surfaces near the robot: contacts, kept honest.
+//!
+//! A switch that changes gives one point of a surface at a known distance, unless its beam slid
+//! off the end of something nearer (a silhouette: the tip of an outer corner). The two look the
+//! same to the robot; here they are told apart by what the wall seen so far predicts, by crossing
+//! the same ray in both directions (a surface opens 5 mm later than it closes, a silhouette does
+//! not), and by beams that later pass through a point without seeing it.
+
+use super::map::{Contact, ContactKind};
+use crate::geometry::{Point, Pose, Vector, angle, cross};
+use crate::robot::{Chassis, Edge, SwitchSet};
+
+/// A contact with what is needed to judge it later.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// Where the surface is believed to be.
+    pub point: Point,
+    /// Where the robot was.
+    pub pose: Pose,
+    /// Direction of the beam in the map frame, radians.
+    pub beam: f64,
+    /// What kind of evidence.
+    pub kind: ContactKind,
+    /// Which switch; none for the bumper.
+    pub sensor: Option<usize>,
+    /// Whether the switch closed.
+    pub rising: bool,
+    /// Odometer when it was seen, metres driven.
+    pub travelled: f64,
+    /// Robot time, microseconds.
+    pub time_us: u64,
+    /// False when later evidence contradicts it.
+    pub alive: bool,
+}
+
+impl Sighting {
+    /// The contact as it goes into the map.
+    #[must_use]
+    pub fn contact(&self) -> Contact {
+        Contact {
+            point: self.point,
+            from: self.pose.position,
+            sensor: self.sensor,
+            kind: self.kind,
+            time: self.time_us as f64 * 1e-6,
+        }
+    }
+}
+
+/// A straight stretch of wall: a point on it and its unit direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// A point on it.
+    pub at: Point,
+    /// Unit direction.
+    pub along: Vector,
+    /// Root mean square distance of the points it was fitted to, metres.
+    pub residual: f64,
+}
+
+impl Stretch {
+    /// Total least squares through `points`; none for fewer than two distinct points.
+    #[must_use]
+    pub fn through(points: &[Point]) -> Option<Self> {
+        let count = points.len() as f64;
+        if points.len() < 2 {
+            return None;
+        }
+        let sum = points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
+        let at = Point::from(sum / count);
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for p in points {
+            let off = p - at;
+            xx += off.x * off.x;
+            xy += off.x * off.y;
+            yy += off.y * off.y;
+        }
+        if xx + yy < 1e-8 {
+            return None;
+        }
+        let along = angle::unit(angle::atan2(2.0 * xy, xx - yy) / 2.0);
+        let across: f64 = points.iter().map(|p| cross(along, p - at).powi(2)).sum();
+        Some(Self {
+            at,
+            along,
+            residual: (across / count).sqrt(),
+        })
+    }
+
+    /// Distance along the ray from `from` towards `direction` to this stretch; none if they run
+    /// (nearly) side by side or it lies behind.
+    #[must_use]
+    pub fn meets(&self, from: Point, direction: Vector) -> Option<f64> {
+        let slope = cross(direction, self.along);
+        if slope.abs() < 0.1 {
+            return None;
+        }
+        let distance = cross(self.at - from, self.along) / slope;
+        (distance > 0.0).then_some(distance)
+    }
+
+    /// Distance of `p` from the line, metres, unsigned.
+    #[must_use]
+    pub fn distance(&self, p: Point) -> f64 {
+        cross(self.along, p - self.at).abs()
+    }
+}
+
+/// How far back along the drive contacts are trusted to fit together, metres.
+const MEMORY: f64 = 2.0;
+/// Farther than this from the robot nothing matters for its next step, metres.
+const NEIGHBOURHOOD: f64 = 0.6;
+/// Edges of one switch nearer than this while turning are two crossings of one silhouette.
+const SILHOUETTE: f64 = 0.014;
+
+/// All sightings of one lap, with the near ones at hand.
+#[derive(Debug, Clone)]
+pub struct Wall {
+    reach: f64,
+    radius: f64,
+    hysteresis: f64,
+    beams: Vec<f64>,
+    log: Vec<Sighting>,
+    near: Vec<usize>,
+    last_pose: Option<Pose>,
+}
+
+impl Wall {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(chassis: &Chassis) -> Self {
+        Self {
+            reach: chassis.reach(),
+            radius: chassis.radius,
+            hysteresis: chassis.hysteresis,
+            beams: chassis.sensors.iter().map(|mount| mount.angle).collect(),
+            log: Vec::new(),
+            near: Vec::new(),
+            last_pose: None,
+        }
+    }
+
+    /// Every sighting, in the order in which it came.
+    #[must_use]
+    pub fn log(&self) -> &[Sighting] {
+        &self.log
+    }
+
+    /// Forgets everything, for a new lap.
+    pub fn clear(&mut self) {
+        self.log.clear();
+        self.near.clear();
+    }
+
+    /// The living sightings near the robot, oldest first.
+    pub fn near(&self) -> impl DoubleEndedIterator<Item = &Sighting> {
+        self.near
+            .iter()
+            .map(|&index| &self.log[index])
+            .filter(|seen| seen.alive)
+    }
+
+    /// Takes one edge, seen from `pose`; `turning` tells which motion was under way. Returns it as
+    /// it was judged.
+    pub fn observe(&mut self, edge: &Edge, pose: Pose, turning: bool, travelled: f64) -> Sighting {
+        let beam = pose.heading + self.beams.get(edge.sensor).copied().unwrap_or(0.0);
+        let distance = if edge.rising {
+            self.reach
+        } else {
+            self.reach + self.hysteresis
+        };
+        let mut seen = Sighting {
+            point: pose.position + angle::unit(beam) * distance,
+            pose,
+            beam,
+            kind: ContactKind::Range,
+            sensor: Some(edge.sensor),
+            rising: edge.rising,
+            travelled,
+            time_us: edge.odometer.time_us,
+            alive: true,
+        };
+        if turning {
+            self.judge_by_crossing(&mut seen);
+        } else if !edge.rising {
+            self.judge_by_prediction(&mut seen);
+        }
+        self.push(seen);
+        seen
+    }
+
+    /// Takes a bump: the rim ahead of `pose` touched something.
+    pub fn touch(&mut self, pose: Pose, direction: f64, travelled: f64, time_us: u64) -> Sighting {
+        let beam = pose.heading + direction;
+        let seen = Sighting {
+            point: pose.position + angle::unit(beam) * self.radius,
+            pose,
+            beam,
+            kind: ContactKind::Touch,
+            sensor: None,
+            rising: true,
+            travelled,
+            time_us,
+            alive: true,
+        };
+        self.push(seen);
+        seen
+    }
+
+    /// Takes over a sighting that belongs to this wall.
+    pub fn adopt(&mut self, seen: Sighting) {
+        self.push(seen);
+    }
+
+    fn push(&mut self, seen: Sighting) {
+        self.near.push(self.log.len());
+        self.log.push(seen);
+    }
+
+    /// Two crossings of one ray while turning on the spot: a silhouette if they coincide.
+    fn judge_by_crossing(&mut self, seen: &mut Sighting) {
+        let twin = self.near.iter().rev().copied().find(|&index| {
+            let other = &self.log[index];
+            other.sensor == seen.sensor
+                && other.rising != seen.rising
+                && (other.pose.position - seen.pose.position).norm() < 0.003
+                && angle::wrap(other.beam - seen.beam).abs() < 0.5
+        });
+        let Some(twin) = twin else { return };
+        if angle::wrap(self.log[twin].beam - seen.beam).abs() < SILHOUETTE {
+            let tip = self.silhouette(seen);
+            self.log[twin].kind = ContactKind::Edge;
+            seen.kind = ContactKind::Edge;
+            match tip {
+                Some(point) => {
+                    self.log[twin].point = point;
+                    seen.point = point;
+                }
+                None => {
+                    self.log[twin].alive = false;
+                    seen.alive = false;
+                }
+            }
+        }
+    }
+
+    /// A switch that opened on the move although the wall seen so far would have kept it closed:
+    /// the wall ends here.
+    fn judge_by_prediction(&mut self, seen: &mut Sighting) {
+        let Some(stretch) = self.stretch_near(seen) else {
+            return;
+        };
+        let direction = angle::unit(seen.beam);
+        if let Some(distance) = stretch.meets(seen.pose.position, direction)
+            && distance < self.reach - 0.005
+            && distance > self.radius - 0.01
+        {
+            seen.kind = ContactKind::Edge;
+            seen.point = seen.pose.position + direction * distance;
+        }
+    }
+
+    /// Where on the ray of `seen` the surface ends, from the wall near it or from another
+    /// silhouette of the same tip.
+    fn silhouette(&self, seen: &Sighting) -> Option<Point> {
+        let direction = angle::unit(seen.beam);
+        let fits = |distance: f64| {
+            distance > self.radius - 0.01 && distance < self.reach + self.hysteresis
+        };
+        let known_tip = self.near().rev().find_map(|other| {
+            if other.kind != ContactKind::Edge {
+                return None;
+            }
+            let along = (other.point - seen.pose.position).dot(&direction);
+            let off = cross(direction, other.point - seen.pose.position).abs();
+            (off < 0.012 && fits(along)).then(|| seen.pose.position + direction * along)
+        });
+        known_tip.or_else(|| {
+            let distance = self
+                .stretch_near(seen)?
+                .meets(seen.pose.position, direction)?;
+            fits(distance).then(|| seen.pose.position + direction * distance)
+        })
+    }
+
+    /// The straight stretch that the wall makes near the end of the beam of `seen`.
+    fn stretch_near(&self, seen: &Sighting) -> Option<Stretch> {
+        let direction = angle::unit(seen.beam);
+        let middle = seen.pose.position + direction * (self.reach - 0.02);
+        let points: Vec<Point> = self
+            .near()
+            .filter(|other| other.kind == ContactKind::Range)
+            .filter(|other| other.travelled > seen.travelled - 0.5)
+            .map(|other| other.point)
+            .filter(|point| (point - middle).norm() < 0.22)
+            .collect();
+        let stretch = Stretch::through(&points)?;
+        let spread = points
+            .iter()
+            .map(|p| stretch.along.dot(&(p - stretch.at)).abs())
+            .fold(0.0, f64::max);
+        (spread > 0.012 && stretch.residual < 0.006).then_some(stretch)
+    }
+
+    /// The robot moved to `pose` with the switches in `closed` all the while: what an open beam or
+    /// the body passed through is not there.
+    pub fn carve(&mut self, pose: Pose, closed: SwitchSet, travelled: f64) {
+        let from = self.last_pose.replace(pose).unwrap_or(pose);
+        self.near.retain(|&index| {
+            let seen = &self.log[index];
+            seen.alive
+                && travelled - seen.travelled < MEMORY
+                && (seen.point - pose.position).norm() < NEIGHBOURHOOD
+        });
+        let turned = angle::wrap(pose.heading - from.heading);
+        let moved = pose.position - from.position;
+        let steps = ((turned.abs() / 0.2)
+            .ceil()
+            .max((moved.norm() / 0.02).ceil()) as u32)
+            .max(1);
+        let mut previous = from;
+        for k in 1..=steps {
+            let share = f64::from(k) / f64::from(steps);
+            let next = Pose {
+                position: from.position + moved * share,
+                heading: from.heading + turned * share,
+            };
+            self.carve_step(previous, next, closed);
+            previous = next;
+        }
+    }
+
+    fn carve_step(&mut self, from: Pose, to: Pose, closed: SwitchSet) {
+        let far = self.reach - 0.008;
+        for &index in &self.near {
+            let seen = &mut self.log[index];
+            if !seen.alive || seen.kind == ContactKind::Touch {
+                continue;
+            }
+            if (seen.point - to.position).norm() < self.radius - 0.006 {
+                seen.alive = false;
+                continue;
+            }
+            let near_rim = self.radius - 0.002;
+            for (sensor, &beam) in self.beams.iter().enumerate() {
+                if closed.has(sensor) {
+                    continue;
+                }
+                let before = from.to_local(seen.point);
+                let after = to.to_local(seen.point);
+                let ray = angle::unit(beam);
+                let (side0, side1) = (cross(ray, before.coords), cross(ray, after.coords));
+                let (along0, along1) = (ray.dot(&before.coords), ray.dot(&after.coords));
+                let swept = side0 * side1 < 0.0 && side0.abs().min(side1.abs()) > 0.0015;
+                let within = along0.min(along1) > near_rim && along0.max(along1) < far;
+                if swept && within {
+                    seen.alive = false;
+                }
+            }
+        }
+    }
+
+    /// Marks the sighting that came last as `kind` at `point` (used when the next look decides).
+    pub fn revise_last(&mut self, time_us: u64, kind: ContactKind, point: Point) {
+        if let Some(seen) = self
+            .log
+            .iter_mut()
+            .rev()
+            .find(|seen| seen.time_us == time_us)
+        {
+            seen.kind = kind;
+            seen.point = point;
+            seen.alive = true;
+        }
+    }
+}

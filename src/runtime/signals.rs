@@ -1,0 +1,113 @@
+//! Ctrl-C and its like, as a flag that the running loop looks at. A thread of its own waits for
+//! them, so that nothing has to be asynchronous because of a signal.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use tokio::signal::unix::{SignalKind, signal};
+
+/// A signal that asks the program to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    /// Ctrl-C.
+    Interrupt,
+    /// A polite kill.
+    Terminate,
+    /// The terminal is gone.
+    HangUp,
+}
+
+impl Signal {
+    /// The exit status that tells of it: 128 and the signal's number.
+    #[must_use]
+    pub fn status(self) -> u8 {
+        match self {
+            Self::Interrupt => 130,
+            Self::Terminate => 143,
+            Self::HangUp => 129,
+        }
+    }
+
+    /// What it is called in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Interrupt => "interrupt (Ctrl-C)",
+            Self::Terminate => "the termination signal",
+            Self::HangUp => "the terminal hanging up",
+        }
+    }
+
+    fn code(self) -> u8 {
+        match self {
+            Self::Interrupt => 1,
+            Self::Terminate => 2,
+            Self::HangUp => 3,
+        }
+    }
+}
+
+/// The signals received so far.
+#[derive(Debug, Clone)]
+pub struct Signals(Arc<AtomicU8>);
+
+impl Signals {
+    /// Signals that nobody listens for; [`Signals::raise`] still works.
+    #[must_use]
+    pub fn none() -> Self {
+        Self(Arc::new(AtomicU8::new(0)))
+    }
+
+    /// Listens from now on. The first signal only sets the flag; a second one ends the program at
+    /// once, in case writing the results hangs.
+    ///
+    /// # Errors
+    /// When the system refuses to hand over signals.
+    pub fn listen() -> io::Result<Self> {
+        let signals = Self::none();
+        let heard = signals.clone();
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_io()
+            .build()?;
+        let guard = runtime.enter();
+        let mut interrupt = signal(SignalKind::interrupt())?;
+        let mut terminate = signal(SignalKind::terminate())?;
+        let mut hang_up = signal(SignalKind::hangup())?;
+        drop(guard);
+        std::thread::Builder::new()
+            .name("signals".to_owned())
+            .spawn(move || {
+                runtime.block_on(async {
+                    loop {
+                        let signal = tokio::select! {
+                            _ = interrupt.recv() => Signal::Interrupt,
+                            _ = terminate.recv() => Signal::Terminate,
+                            _ = hang_up.recv() => Signal::HangUp,
+                        };
+                        if heard.received().is_some() {
+                            std::process::exit(i32::from(signal.status()));
+                        }
+                        heard.raise(signal);
+                    }
+                });
+            })?;
+        Ok(signals)
+    }
+
+    /// The first signal received, if any.
+    #[must_use]
+    pub fn received(&self) -> Option<Signal> {
+        let code = self.0.load(Ordering::Relaxed);
+        [Signal::Interrupt, Signal::Terminate, Signal::HangUp]
+            .into_iter()
+            .find(|signal| signal.code() == code)
+    }
+
+    /// Acts as if `signal` had been received.
+    pub fn raise(&self, signal: Signal) {
+        // The first one counts: it names the reason in the report.
+        let _ = self
+            .0
+            .compare_exchange(0, signal.code(), Ordering::Relaxed, Ordering::Relaxed);
+    }
+}

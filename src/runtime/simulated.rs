@@ -1,0 +1,241 @@
+//! A session over the embedded simulator, with its record: what `run`, the console and `snapshot`
+//! drive. Virtual time: one step is 20 ms of the robot's life, however long it takes.
+
+use super::{Ending, Progress, Runner, Step};
+use crate::export::{Outcome, RunRecord, truth};
+use crate::geometry::Pose;
+use crate::journal::{Header, Journal, PhaseEnd, state_hash};
+use crate::link::SimulatedLink;
+use crate::mapping::event::Failure;
+use crate::mapping::map::{Phase, RoomMap};
+use crate::robot::{Intent, Telemetry};
+use crate::session::{Outgoing, RunState, Session, Snapshot};
+use crate::simulator::{NoiseProfile, World};
+use std::io::Write;
+
+/// A simulated run; `W` is where its record goes.
+pub struct SimulatedRun<W: Write> {
+    session: Session,
+    link: SimulatedLink,
+    journal: Option<Journal<W>>,
+    header: Header,
+    said: Vec<Telemetry>,
+    outgoing: Vec<Outgoing>,
+    /// Filled when the run has ended, for the exports.
+    map: RoomMap,
+    true_path: Option<Vec<Pose>>,
+}
+
+impl<W: Write> SimulatedRun<W> {
+    /// The robot of `header.settings` in `world`; it waits for the operator.
+    #[must_use]
+    pub fn new(
+        world: &World,
+        header: Header,
+        noise: NoiseProfile,
+        journal: Option<Journal<W>>,
+    ) -> Self {
+        let settings = header.settings.clone();
+        let until = header.until.unwrap_or(Phase::Objects);
+        let link = SimulatedLink::new(world, &settings.chassis, noise, settings.seed);
+        let mut run = Self {
+            session: Session::new(settings, header.source.clone(), until),
+            link,
+            journal,
+            header,
+            said: Vec::new(),
+            outgoing: Vec::new(),
+            map: RoomMap::default(),
+            true_path: None,
+        };
+        run.said.push(run.link.greeting());
+        run.take_telemetry();
+        run
+    }
+
+    /// Takes a wish of the operator.
+    pub fn intent(&mut self, intent: Intent) {
+        if let Some(journal) = &mut self.journal {
+            journal.intent(self.session.mission().tracker().time_us(), &intent);
+        }
+        self.session.intent(intent, &mut self.outgoing);
+        self.deliver();
+    }
+
+    /// Lets 20 ms of the robot's life pass.
+    pub fn advance(&mut self) {
+        self.link.advance(&mut self.said);
+        self.take_telemetry();
+    }
+
+    /// The session.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The state for the screen.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        self.session.snapshot()
+    }
+
+    /// Whether the body moves or may move without further word: time has to go on for it.
+    #[must_use]
+    pub fn is_under_way(&self) -> bool {
+        self.link.is_moving()
+            || matches!(
+                self.session.run_state(),
+                RunState::Running | RunState::Stepping(_)
+            )
+    }
+
+    fn take_telemetry(&mut self) {
+        let said = std::mem::take(&mut self.said);
+        for telemetry in &said {
+            if let Some(journal) = &mut self.journal {
+                journal.telemetry(self.session.mission().tracker().time_us(), telemetry);
+            }
+            self.session.telemetry(telemetry, &mut self.outgoing);
+            self.deliver();
+        }
+        self.said = said;
+        self.said.clear();
+    }
+
+    fn deliver(&mut self) {
+        let time_us = self.session.mission().tracker().time_us();
+        for outgoing in std::mem::take(&mut self.outgoing) {
+            match outgoing {
+                Outgoing::Command(command) => {
+                    // The record first: what was sent is never unknown afterwards.
+                    if let Some(journal) = &mut self.journal {
+                        journal.command(time_us, &command);
+                    }
+                    self.link.send(command);
+                }
+                Outgoing::Stop => self.link.stop(),
+                Outgoing::Event(event) => {
+                    if let Some(journal) = &mut self.journal {
+                        journal.event(time_us, &event);
+                    }
+                }
+                Outgoing::PhaseEnded(phase) => {
+                    if let Some(journal) = &mut self.journal {
+                        let state = state_hash(self.session.mission().map());
+                        journal.phase_end(time_us, &PhaseEnd { phase, state });
+                        journal.flush();
+                    }
+                }
+            }
+        }
+    }
+
+    /// How the run ended; none while there is more to do.
+    #[must_use]
+    pub fn ending(&self) -> Option<Ending> {
+        let (outcome, reason) = match self.session.run_state() {
+            RunState::Complete => (Outcome::Complete, "map complete".to_owned()),
+            RunState::Failed(Failure::Ended) => (Outcome::Stopped, Failure::Ended.to_string()),
+            RunState::Failed(why) => (Outcome::Failed, why.to_string()),
+            _ => return None,
+        };
+        Some(Ending { outcome, reason })
+    }
+
+    /// Fixes the map and the truth beside it, for [`Runner::record`].
+    pub fn conclude(&mut self) {
+        self.map = self.session.mission().map_now();
+        self.true_path = truth::along(&self.map.path, self.link.truth());
+    }
+}
+
+/// Steps without a command after which a run that claims to go on is at fault: 60 s.
+const LONGEST_SILENCE: u32 = 3000;
+
+/// A [`SimulatedRun`] that goes on by itself to its end.
+pub struct Headless<W: Write> {
+    run: SimulatedRun<W>,
+    idle: u32,
+}
+
+impl<W: Write> Headless<W> {
+    /// Sets `run` going.
+    #[must_use]
+    pub fn new(mut run: SimulatedRun<W>) -> Self {
+        run.intent(Intent::Run);
+        Self { run, idle: 0 }
+    }
+
+    /// The run itself.
+    #[must_use]
+    pub fn inner(&self) -> &SimulatedRun<W> {
+        &self.run
+    }
+}
+
+impl<W: Write> Runner for Headless<W> {
+    fn step(&mut self) -> Step {
+        self.run.advance();
+        self.idle = if self.run.link.is_moving() {
+            0
+        } else {
+            self.idle + 1
+        };
+        let stuck = (self.idle > LONGEST_SILENCE).then(|| Ending {
+            outcome: Outcome::Failed,
+            reason: "nothing happens any more".to_owned(),
+        });
+        match self.run.ending().or(stuck) {
+            Some(ending) => {
+                self.run.conclude();
+                Step::Ended(ending)
+            }
+            None => Step::Going,
+        }
+    }
+
+    fn stop(&mut self) {
+        self.run.intent(Intent::Stop);
+        // The body comes to rest before the map is written, so that nothing is lost of the path.
+        for _ in 0..50 {
+            self.run.advance();
+        }
+        self.run.conclude();
+    }
+
+    fn progress(&self) -> Progress {
+        let mission = self.run.session.mission();
+        Progress {
+            phase: mission.phase(),
+            share: mission.share(),
+            time: mission.tracker().time_us() as f64 * 1e-6,
+            travel: mission.tracker().travelled(),
+        }
+    }
+
+    fn record<'a>(&'a self, ending: &'a Ending, wall_seconds: f64) -> RunRecord<'a> {
+        let mission = self.run.session.mission();
+        RunRecord {
+            map: &self.run.map,
+            settings: mission.settings(),
+            outcome: ending.outcome,
+            reason: &ending.reason,
+            world: &self.run.header.source,
+            noise: &self.run.header.noise,
+            progress: *self.run.session.progress(),
+            laps: mission.laps(),
+            bumps: self.run.link.bumps(),
+            contact: self.run.link.contact(),
+            true_path: self.run.true_path.as_deref(),
+            wall_seconds,
+        }
+    }
+
+    fn finish_journal(&mut self) -> std::io::Result<()> {
+        self.run
+            .journal
+            .take()
+            .map_or(Ok(()), |journal| journal.finish().map(|_| ()))
+    }
+}

@@ -1,0 +1,255 @@
+//! Worlds: the room, what stands in it and where the robot starts; from TOML or GeoJSON.
+//!
+//! Reading is strict: an unknown key, an outline that crosses itself or a start inside a wall is
+//! an error that says where.
+
+mod geojson;
+mod outline;
+mod toml_file;
+
+use crate::geometry::{Pose, Ring};
+use std::path::Path;
+
+/// Something that stands in the room. Whether it touches the boundary (intrinsic) or stands free
+/// (extrinsic) nobody has to say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldObject {
+    /// What it is called.
+    pub name: String,
+    /// Its surface, counter-clockwise.
+    pub ring: Ring,
+}
+
+/// A room to simulate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    /// What it is called.
+    pub name: String,
+    /// Where the robot starts.
+    pub start: Pose,
+    /// The wall line; free floor lies inside. Counter-clockwise.
+    pub boundary: Ring,
+    /// What stands in it.
+    pub objects: Vec<WorldObject>,
+}
+
+/// Why a world cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {what}")]
+pub struct WorldError {
+    /// File, and line or feature and key where there is one.
+    pub place: String,
+    /// What is wrong and what to try.
+    pub what: String,
+}
+
+impl WorldError {
+    fn new(place: impl Into<String>, what: impl Into<String>) -> Self {
+        Self {
+            place: place.into(),
+            what: what.into(),
+        }
+    }
+}
+
+/// More corners than this make no sense for a room and would only stall the program.
+pub const MOST_VERTICES: usize = 100_000;
+
+impl World {
+    /// Reads a world and checks it for a robot of `radius` metres.
+    ///
+    /// # Errors
+    /// When the file cannot be read or does not describe a room in which the robot can stand.
+    pub fn load(path: &Path, radius: f64) -> Result<Self, WorldError> {
+        let place = path.display().to_string();
+        let read = |path: &Path| {
+            std::fs::read_to_string(path)
+                .map_err(|why| WorldError::new(&place, format!("cannot be read: {why}")))
+        };
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("toml") => Self::from_toml(&read(path)?, &place, radius),
+            Some("geojson" | "json") => Self::from_geojson(&read(path)?, &place, radius),
+            Some("yaml" | "yml") => Err(WorldError::new(
+                &place,
+                "ROS maps cannot be read by this version; trace the map to TOML or GeoJSON",
+            )),
+            _ => Err(WorldError::new(
+                &place,
+                "not a world: expected a name ending in .toml or .geojson",
+            )),
+        }
+    }
+
+    /// Reads a world from TOML text; `place` names it in errors.
+    ///
+    /// # Errors
+    /// As [`World::load`].
+    pub fn from_toml(text: &str, place: &str, radius: f64) -> Result<Self, WorldError> {
+        toml_file::parse(text, place)?.checked(place, radius)
+    }
+
+    /// Reads a world from GeoJSON text; `place` names it in errors.
+    ///
+    /// # Errors
+    /// As [`World::load`].
+    pub fn from_geojson(text: &str, place: &str, radius: f64) -> Result<Self, WorldError> {
+        geojson::parse(text, place)?.checked(place, radius)
+    }
+
+    /// The same world with the robot at another place.
+    ///
+    /// # Errors
+    /// When it cannot stand there.
+    pub fn with_start(mut self, start: Pose, radius: f64) -> Result<Self, WorldError> {
+        self.start = start;
+        self.checked("--start", radius)
+    }
+
+    fn checked(self, place: &str, radius: f64) -> Result<Self, WorldError> {
+        let at = self.start.position;
+        let says = |what: String| Err(WorldError::new(format!("{place}: start"), what));
+        if !self.boundary.contains(at) {
+            return says(format!("({}, {}) lies outside the room", at.x, at.y));
+        }
+        if let Some(object) = self.objects.iter().find(|object| object.ring.contains(at)) {
+            return says(format!(
+                "({}, {}) lies inside object \"{}\"",
+                at.x, at.y, object.name
+            ));
+        }
+        let room = std::iter::once(&self.boundary)
+            .chain(self.objects.iter().map(|object| &object.ring))
+            .map(|ring| ring.distance(at))
+            .fold(f64::INFINITY, f64::min);
+        if room < radius {
+            return says(format!(
+                "({}, {}) is {room:.3} m from a wall, but the robot needs {radius} m; move it away",
+                at.x, at.y
+            ));
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn toml(text: &str) -> Result<World, WorldError> {
+        World::from_toml(text, "room.toml", 0.1)
+    }
+
+    const START: &str = "start = { x = 1, y = 1, heading = 90 }\n";
+
+    #[test]
+    fn a_good_world_is_read() {
+        let text = format!(
+            "name = \"L\"\n{START}[boundary]\nvertices = [[0,0],[5,0],[5,4],[3,4,0.4142],[0,4]]\n\
+             [[objects]]\nname = \"column\"\ncircle = {{ center = [2, 2], radius = 0.2 }}\n"
+        );
+        let world = toml(&text).expect("a good world");
+        assert_eq!(world.name, "L");
+        assert_eq!(world.boundary.pieces.len(), 5);
+        assert!((world.start.heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert!((world.objects[0].ring.area() - 0.04 * std::f64::consts::PI).abs() < 1e-9);
+    }
+
+    #[test]
+    fn each_mistake_is_named_with_its_place() {
+        let square = "[boundary]\nvertices = [[0,0],[4,0],[4,4],[0,4]]\n";
+        let table = [
+            (format!("{START}{square}colour = 3\n"), "colour"),
+            (
+                format!("{START}[boundary]\nvertexes = [[0,0],[4,0],[4,4]]\n"),
+                "`vertices`",
+            ),
+            (
+                format!("{START}[boundary]\nvertices = [[0,0],[4,4],[4,0],[0,4]]\n"),
+                "crosses",
+            ),
+            (
+                format!("{START}[boundary]\nvertices = [[0,0],[4,0]]\n"),
+                "three",
+            ),
+            (
+                format!("{START}[boundary]\nvertices = [[0,0],[4,0],[nan,4]]\n"),
+                "not a number",
+            ),
+            (
+                format!("start = {{ x = 9, y = 1 }}\n{square}"),
+                "outside the room",
+            ),
+            (
+                format!("start = {{ x = 0.05, y = 1 }}\n{square}"),
+                "from a wall",
+            ),
+            (
+                format!(
+                    "{START}{square}[[objects]]\ncircle = {{ center = [1, 1], radius = 0.5 }}\n"
+                ),
+                "inside object",
+            ),
+            (String::new(), "empty"),
+            (square.to_owned(), "start"),
+            (START.to_owned(), "boundary"),
+            (format!("{START}[boundary]\n"), "circle"),
+            (
+                format!("{START}[boundary]\nvertices = [[0,0],[4,0],[4,4\n"),
+                "room.toml:3",
+            ),
+        ];
+        for (text, word) in table {
+            let error = toml(&text).expect_err(&text).to_string();
+            assert!(
+                error.contains(word),
+                "{text}\nsaid: {error}\nwanted: {word}"
+            );
+            assert!(error.contains("room.toml"), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_names_its_line_and_the_nearest_one() {
+        let text = format!("{START}[boundary]\nvertexes = [[0,0],[4,0],[4,4]]\n");
+        let error = toml(&text).expect_err("unknown key").to_string();
+        assert!(error.starts_with("room.toml:3"), "{error}");
+        assert!(
+            error.contains("vertexes") && error.contains("vertices"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn geojson_mistakes_name_the_feature() {
+        let cases = [
+            ("{}", "FeatureCollection"),
+            (r#"{"type":"FeatureCollection","features":[]}"#, "boundary"),
+            (
+                r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"wall"},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,
+                "feature 0",
+            ),
+            (
+                r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"object"},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,
+                "radius",
+            ),
+            ("not json", "line 1"),
+        ];
+        for (text, word) in cases {
+            let error = World::from_geojson(text, "a.geojson", 0.1)
+                .expect_err(text)
+                .to_string();
+            assert!(error.contains(word), "{text}\nsaid: {error}");
+        }
+    }
+
+    #[test]
+    fn a_million_vertices_are_refused_quickly() {
+        let mut text = format!("{START}[boundary]\nvertices = [");
+        for k in 0..200_000 {
+            text.push_str(&format!("[{k},0],"));
+        }
+        text.push_str("]\n");
+        let error = toml(&text).expect_err("too many").to_string();
+        assert!(error.contains("100000"), "{error}");
+    }
+}

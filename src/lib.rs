@@ -1,4 +1,5 @@
 //! Periplus: an operator console for robots that map a room by touch.
+pub mod console;
 pub mod cli;
 pub mod commands;
 pub mod export;

@@ -1,7 +1,7 @@
 //! What the screen may know: a copy of the state at one instant, with what is unknown or old
 //! marked as such. The view is a pure function of this.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::mapping::event::{Event, Failure};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
@@ -98,6 +98,8 @@ pub struct Snapshot {
     pub robot: Known<RobotView>,
     /// The command in hand, and in words why it was chosen.
     pub command: Option<(Command, String)>,
+    /// Centre of the hidden disc whose diameter is `map.hidden_disc`, where it is known.
+    pub hidden_at: Option<Point>,
     /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
     pub map: RoomMap,
     /// What the run was started with (α as it is now).
@@ -108,4 +110,25 @@ pub struct Snapshot {
     pub bumps: u32,
     /// What the robot is called: the world's name, or the port.
     pub source: String,
+}
+
+impl Snapshot {
+    /// A run that has not begun: nothing was heard and nothing is known.
+    #[must_use]
+    pub fn waiting(settings: Settings, source: impl Into<String>) -> Self {
+        Self {
+            time: 0.0,
+            phase: Phase::Boundary,
+            progress: [PhaseProgress::default(); 4],
+            run: RunState::Paused,
+            robot: Known::Unknown,
+            command: None,
+            hidden_at: None,
+            map: RoomMap::default(),
+            settings,
+            events: Vec::new(),
+            bumps: 0,
+            source: source.into(),
+        }
+    }
 }

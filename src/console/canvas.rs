@@ -1,0 +1,321 @@
+//! A grid of braille dots, two by four to a cell, with one style role a cell. Owns which dots
+//! are set: lines are clipped here, and everything painted merges (dots are OR-ed) in a single
+//! pass, the role of the higher rank winning the cell. Knows nothing of maps or colours.
+//!
+//! ```text
+//! bits of a cell   0x01 0x08      U+2800 + bits is the symbol
+//!                  0x02 0x10
+//!                  0x04 0x20
+//!                  0x40 0x80
+//! ```
+
+pub mod viewport;
+
+use super::theme::{Role, Theme};
+use crate::geometry::{Point, Ring, angle};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use viewport::{DOTS_X, DOTS_Y, Viewport};
+
+/// Which dots of a line are set, so that lines differ without colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pattern {
+    /// Every dot.
+    Solid,
+    /// One dot in `n`.
+    Sparse(u16),
+    /// The first `on` dots of every `of`.
+    Dash {
+        /// Dots set.
+        on: u16,
+        /// Dots in all.
+        of: u16,
+    },
+}
+
+impl Pattern {
+    fn sets(self, step: i64) -> bool {
+        match self {
+            Self::Solid => true,
+            Self::Sparse(n) => step % i64::from(n.max(1)) == 0,
+            Self::Dash { on, of } => step % i64::from(of.max(1)) < i64::from(on),
+        }
+    }
+}
+
+/// The dots of one frame of the map.
+#[derive(Debug, Clone)]
+pub struct Canvas {
+    view: Viewport,
+    width: i32,
+    height: i32,
+    dots: Vec<u8>,
+    roles: Vec<Role>,
+}
+
+impl Canvas {
+    /// An empty grid that shows `view`.
+    #[must_use]
+    pub fn new(view: Viewport) -> Self {
+        let cells = usize::from(view.cols) * usize::from(view.rows);
+        Self {
+            view,
+            width: i32::from(view.cols) * i32::from(DOTS_X),
+            height: i32::from(view.rows) * i32::from(DOTS_Y),
+            dots: vec![0; cells],
+            roles: vec![Role::Text; cells],
+        }
+    }
+
+    /// What the grid shows.
+    #[must_use]
+    pub fn view(&self) -> &Viewport {
+        &self.view
+    }
+
+    /// Sets the dot that shows `p`, if it is in view.
+    pub fn point(&mut self, p: Point, role: Role) {
+        let (x, y) = self.view.to_dots(p);
+        self.dot_at(x, y, role);
+    }
+
+    /// A straight line from `a` to `b`. The pattern is counted from `a`, in view or not, so it
+    /// stands still when the view moves along the line.
+    pub fn line(&mut self, a: Point, b: Point, role: Role, pattern: Pattern) {
+        self.segment(self.view.to_dots(a), self.view.to_dots(b), role, pattern);
+    }
+
+    /// Lines from each point to the next. Points that fall on the dot of the one before are
+    /// passed over, so long tracks cost no more than their dots.
+    pub fn polyline(&mut self, points: impl IntoIterator<Item = Point>, role: Role) {
+        let mut last: Option<(f64, f64)> = None;
+        for p in points {
+            let here = self.view.to_dots(p);
+            match last {
+                Some(before) if same_dot(before, here) => continue,
+                Some(before) => self.segment(before, here, role, Pattern::Solid),
+                None => self.dot_at(here.0, here.1, role),
+            }
+            last = Some(here);
+        }
+    }
+
+    /// A closed outline, its arcs cut finely enough for the dots.
+    pub fn ring(&mut self, ring: &Ring, role: Role) {
+        let points = ring.to_points(self.sagitta());
+        self.polyline(points.iter().chain(points.first()).copied(), role);
+    }
+
+    /// How far a chord may stray from its arc before a dot would show it, metres.
+    #[must_use]
+    pub fn sagitta(&self) -> f64 {
+        (self.view.scale / 3.0).max(1e-4)
+    }
+
+    /// The rim of a disc of `radius` metres.
+    pub fn circle(&mut self, center: Point, radius: f64, role: Role, pattern: Pattern) {
+        let dots = radius / self.view.scale;
+        if !dots.is_finite() || !self.may_show(center, radius) {
+            return;
+        }
+        let steps = (dots * angle::TAU).ceil().clamp(8.0, 4096.0);
+        for step in 0..steps as i64 {
+            if pattern.sets(step) {
+                let toward = angle::unit(angle::TAU * step as f64 / steps);
+                self.point(center + toward * radius, role);
+            }
+        }
+    }
+
+    /// A filled disc of `radius` metres; at least its middle dot.
+    pub fn disc(&mut self, center: Point, radius: f64, role: Role) {
+        self.each_dot_within(center, radius, |grid, x, y| grid.set(x, y, role));
+        self.point(center, role);
+    }
+
+    /// Clears every dot within `radius` metres, to let what is painted next stand free.
+    pub fn clear_disc(&mut self, center: Point, radius: f64) {
+        self.each_dot_within(center, radius, Self::clear);
+    }
+
+    /// Whether no dot of the cell is set.
+    #[must_use]
+    pub fn is_free(&self, col: u16, row: u16) -> bool {
+        col < self.view.cols
+            && row < self.view.rows
+            && self.dots[usize::from(row) * usize::from(self.view.cols) + usize::from(col)] == 0
+    }
+
+    /// Writes the cells that have dots to the upper left of `area`.
+    pub fn blit(&self, theme: &Theme, area: Rect, buf: &mut Buffer) {
+        let area = area.intersection(buf.area);
+        for row in 0..area.height.min(self.view.rows) {
+            let start = usize::from(row) * usize::from(self.view.cols);
+            for col in 0..area.width.min(self.view.cols) {
+                let bits = self.dots[start + usize::from(col)];
+                if bits == 0 {
+                    continue;
+                }
+                let symbol = char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' ');
+                let style = theme.style(self.roles[start + usize::from(col)]);
+                buf[(area.x + col, area.y + row)].set_char(symbol).set_style(style);
+            }
+        }
+    }
+
+    fn may_show(&self, center: Point, radius: f64) -> bool {
+        let away = center - self.view.center;
+        away.x.abs() <= self.view.x_range() / 2.0 + radius
+            && away.y.abs() <= self.view.y_range() / 2.0 + radius
+    }
+
+    fn each_dot_within(&mut self, center: Point, radius: f64, mut act: impl FnMut(&mut Self, i32, i32)) {
+        let (x, y) = self.view.to_dots(center);
+        let reach = radius / self.view.scale;
+        if !(x.is_finite() && y.is_finite() && reach.is_finite()) {
+            return;
+        }
+        let span = |middle: f64, end: i32| {
+            let low = (middle - reach).floor().clamp(0.0, f64::from(end));
+            let high = (middle + reach).ceil().clamp(0.0, f64::from(end));
+            low as i32..high as i32
+        };
+        for j in span(y, self.height) {
+            for i in span(x, self.width) {
+                let (dx, dy) = (f64::from(i) + 0.5 - x, f64::from(j) + 0.5 - y);
+                if dx * dx + dy * dy <= reach * reach {
+                    act(self, i, j);
+                }
+            }
+        }
+    }
+
+    fn segment(&mut self, a: (f64, f64), b: (f64, f64), role: Role, pattern: Pattern) {
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let Some((enter, leave)) = self.clip(a, (dx, dy)) else {
+            return;
+        };
+        let steps = dx.abs().max(dy.abs()).ceil().max(1.0);
+        let (first, last) = ((enter * steps).floor() as i64, (leave * steps).ceil() as i64);
+        for step in first..=last {
+            if pattern.sets(step) {
+                let t = (step as f64 / steps).clamp(enter, leave);
+                self.dot_at(a.0 + dx * t, a.1 + dy * t, role);
+            }
+        }
+    }
+
+    /// The shares of a line at which it enters and leaves the grid (Liang and Barsky); none when
+    /// it misses it or is not finite.
+    fn clip(&self, a: (f64, f64), (dx, dy): (f64, f64)) -> Option<(f64, f64)> {
+        if !(a.0.is_finite() && a.1.is_finite() && dx.is_finite() && dy.is_finite()) {
+            return None;
+        }
+        let (right, bottom) = (f64::from(self.width), f64::from(self.height));
+        let mut span = (0.0_f64, 1.0_f64);
+        for (speed, room) in [(-dx, a.0), (dx, right - a.0), (-dy, a.1), (dy, bottom - a.1)] {
+            if speed == 0.0 {
+                if room < 0.0 {
+                    return None;
+                }
+            } else if speed < 0.0 {
+                span.0 = span.0.max(room / speed);
+            } else {
+                span.1 = span.1.min(room / speed);
+            }
+        }
+        (span.0 <= span.1).then_some(span)
+    }
+
+    fn dot_at(&mut self, x: f64, y: f64, role: Role) {
+        if x >= 0.0 && y >= 0.0 {
+            self.set(x as i32, y as i32, role);
+        }
+    }
+
+    fn place(&self, x: i32, y: i32) -> Option<(usize, u8)> {
+        const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
+        if x < 0 || y < 0 || x >= self.width || y >= self.height {
+            return None;
+        }
+        let cell = (y as usize / 4) * usize::from(self.view.cols) + x as usize / 2;
+        Some((cell, BITS[y as usize % 4][x as usize % 2]))
+    }
+
+    fn set(&mut self, x: i32, y: i32, role: Role) {
+        if let Some((cell, bit)) = self.place(x, y) {
+            if self.dots[cell] == 0 || role > self.roles[cell] {
+                self.roles[cell] = role;
+            }
+            self.dots[cell] |= bit;
+        }
+    }
+
+    fn clear(&mut self, x: i32, y: i32) {
+        if let Some((cell, bit)) = self.place(x, y) {
+            self.dots[cell] &= !bit;
+        }
+    }
+}
+
+fn same_dot(a: (f64, f64), b: (f64, f64)) -> bool {
+    a.0.floor() == b.0.floor() && a.1.floor() == b.1.floor()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(canvas: &Canvas) -> String {
+        let area = Rect::new(0, 0, canvas.view.cols, canvas.view.rows);
+        let mut buf = Buffer::empty(area);
+        canvas.blit(&Theme::mono(), area, &mut buf);
+        buf.content()
+            .chunks(usize::from(canvas.view.cols))
+            .map(|row| row.iter().map(ratatui::buffer::Cell::symbol).collect::<String>() + "\n")
+            .collect()
+    }
+
+    fn grid(cols: u16, rows: u16) -> Canvas {
+        let center = Point::new(f64::from(cols), f64::from(rows) * 2.0);
+        Canvas::new(Viewport { center, scale: 1.0, cols, rows })
+    }
+
+    #[test]
+    fn a_box_touches_the_rim_and_nothing_else() {
+        let mut canvas = grid(4, 2);
+        let corners = [(0.5, 0.5), (7.5, 0.5), (7.5, 7.5), (0.5, 7.5)];
+        canvas.ring(&Ring::polygon(&corners.map(|(x, y)| Point::new(x, y))), Role::Wall);
+        assert_eq!(picture(&canvas), "⡏⠉⠉⢹\n⣇⣀⣀⣸\n");
+    }
+
+    #[test]
+    fn lines_are_clipped_and_keep_their_slope() {
+        let mut canvas = grid(4, 2);
+        canvas.line(Point::new(-1e9, -1e9), Point::new(1e9, 1e9), Role::Wall, Pattern::Solid);
+        assert_eq!(picture(&canvas), "  ⡠⠊\n⡠⠊  \n");
+        let mut canvas = grid(4, 2);
+        canvas.line(Point::new(-5.0, 9.0), Point::new(20.0, 9.0), Role::Wall, Pattern::Solid);
+        canvas.line(Point::new(f64::NAN, 0.0), Point::new(1.0, 1.0), Role::Wall, Pattern::Solid);
+        assert_eq!(picture(&canvas), "    \n    \n", "a line outside left dots");
+    }
+
+    #[test]
+    fn dots_merge_and_the_higher_role_wins_the_cell() {
+        let mut canvas = grid(1, 1);
+        canvas.point(Point::new(0.5, 0.5), Role::Wall);
+        canvas.point(Point::new(1.5, 3.5), Role::Trajectory);
+        assert_eq!(picture(&canvas), "⡈\n");
+        assert_eq!(canvas.roles[0], Role::Wall, "the wall must keep the cell");
+        canvas.clear_disc(Point::new(1.0, 2.0), 5.0);
+        canvas.point(Point::new(0.5, 0.5), Role::Trajectory);
+        assert_eq!(canvas.roles[0], Role::Trajectory, "a cleared cell forgets its role");
+    }
+
+    #[test]
+    fn a_disc_is_round() {
+        let mut canvas = grid(4, 2);
+        canvas.disc(Point::new(4.0, 4.0), 3.0, Role::Robot);
+        assert_eq!(picture(&canvas), "⢀⣾⣷⡀\n⠈⢿⡿⠁\n");
+    }
+}

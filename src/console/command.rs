@@ -1,0 +1,179 @@
+//! The command line: `alpha 0.3`, `speed 50`, `export DIR`, and every action by its name. Owns
+//! the grammar and its messages; what a command does is `update`'s business.
+//!
+//! The stop key stops the robot even while a command is typed, and by default that key is the
+//! space bar. So a word and its argument may be parted by `=` as well: `alpha=0.3`.
+
+use super::action::{ACTIONS, Action, nearest};
+use super::driver::Speed;
+use thiserror::Error;
+
+/// Commands that take an argument: name, what follows, what it does.
+pub const COMMANDS: &[(&str, &str, &str)] = &[
+    ("alpha", "M", "set α, metres (0.05 to 2)"),
+    ("speed", "N", "set the speed of simulated time, or max"),
+    ("export", "DIR", "write the map so far"),
+];
+
+/// The least and greatest α that the operator may set, metres.
+pub const ALPHA: (f64, f64) = (0.05, 2.0);
+
+/// What was typed, understood.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// An action by its name.
+    Action(Action),
+    /// Another α, metres.
+    Alpha(f64),
+    /// Another speed.
+    Speed(Speed),
+    /// Write the map to a folder.
+    Export(String),
+}
+
+/// What was typed, not understood.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum CommandError {
+    /// Nothing but space.
+    #[error("nothing typed")]
+    Empty,
+    /// No such command.
+    #[error("no command `{word}`{}", .meant.as_ref().map_or_else(|| "; ? lists them".to_owned(), |name| format!("; did you mean `{name}`?")))]
+    Unknown {
+        /// What was typed.
+        word: String,
+        /// What was likely meant.
+        meant: Option<String>,
+    },
+    /// α out of range or not a number.
+    #[error("alpha needs metres from 0.05 to 2, such as `alpha=0.3`")]
+    Alpha,
+    /// Not one of the steps.
+    #[error("speed needs one of {}", Speed::all())]
+    Speed,
+    /// No folder named.
+    #[error("export needs a folder, such as `export=my-map`")]
+    Export,
+    /// An argument where none belongs.
+    #[error("`{name}` stands alone")]
+    Alone {
+        /// The action.
+        name: String,
+    },
+}
+
+impl Command {
+    /// Reads a command line, without its colon.
+    ///
+    /// # Errors
+    /// What is wrong and what to type instead.
+    pub fn parse(text: &str) -> Result<Self, CommandError> {
+        let text = text.trim();
+        let (word, argument) = text.split_once([' ', '=']).unwrap_or((text, ""));
+        let argument = argument.trim();
+        match word {
+            "" => Err(CommandError::Empty),
+            "alpha" => parse_alpha(argument).map(Self::Alpha),
+            "speed" => parse_speed(argument).map(Self::Speed),
+            "export" if argument.is_empty() => Err(CommandError::Export),
+            "export" => Ok(Self::Export(argument.to_owned())),
+            _ => match Action::named(word) {
+                Some(action) if argument.is_empty() => Ok(Self::Action(action)),
+                Some(_) => Err(CommandError::Alone { name: word.to_owned() }),
+                None => Err(CommandError::Unknown {
+                    word: word.to_owned(),
+                    meant: nearest(word, names()).map(str::to_owned),
+                }),
+            },
+        }
+    }
+
+    /// What `text` completes to: as far as all commands that begin with it agree.
+    #[must_use]
+    pub fn complete(text: &str) -> Option<String> {
+        let mut matching = names().filter(|name| name.starts_with(text));
+        let first = matching.next()?;
+        let Some(second) = matching.next() else {
+            let takes_more = COMMANDS.iter().any(|(name, ..)| *name == first);
+            return Some(if takes_more { format!("{first}=") } else { first.to_owned() });
+        };
+        let shared = |a: &str, b: &str| a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
+        let length = matching.fold(shared(first, second), |least, name| least.min(shared(first, name)));
+        Some(first.get(..length).unwrap_or(text).to_owned())
+    }
+
+    /// The commands that begin with `text`, for the prompt to show.
+    pub fn candidates(text: &str) -> impl Iterator<Item = &'static str> {
+        names().filter(move |name| name.starts_with(text))
+    }
+}
+
+fn names() -> impl Iterator<Item = &'static str> {
+    COMMANDS.iter().map(|&(name, ..)| name).chain(ACTIONS.iter().map(|info| info.name))
+}
+
+fn parse_alpha(text: &str) -> Result<f64, CommandError> {
+    let value: Result<f64, _> = text.trim_end_matches('m').trim().parse();
+    value
+        .ok()
+        .filter(|alpha| (ALPHA.0..=ALPHA.1).contains(alpha))
+        .ok_or(CommandError::Alpha)
+}
+
+fn parse_speed(text: &str) -> Result<Speed, CommandError> {
+    if text == "max" {
+        return Ok(Speed::MAX);
+    }
+    let times = text.trim_start_matches(['x', '×']).parse().ok();
+    times.and_then(Speed::of).ok_or(CommandError::Speed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_understood() {
+        for (text, command) in [
+            ("alpha 0.3", Command::Alpha(0.3)),
+            ("alpha=0.3", Command::Alpha(0.3)),
+            (" alpha  .3 m ", Command::Alpha(0.3)),
+            ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
+            ("speed max", Command::Speed(Speed::MAX)),
+            ("export some where", Command::Export("some where".to_owned())),
+            ("quit", Command::Action(Action::Quit)),
+            ("step-phase", Command::Action(Action::StepPhase)),
+        ] {
+            assert_eq!(Command::parse(text), Ok(command), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_understood_says_what_to_type() {
+        for (text, says) in [
+            ("", "nothing typed"),
+            ("alhpa 3", "no command `alhpa`; did you mean `alpha`?"),
+            ("alpha", "alpha needs metres"),
+            ("alpha nan", "alpha needs metres"),
+            ("alpha 0", "alpha needs metres"),
+            ("alpha inf", "alpha needs metres"),
+            ("speed 3", "speed needs one of 1, 2, 5"),
+            ("export", "export needs a folder"),
+            ("stop now", "`stop` stands alone"),
+            ("zzzzz", "no command `zzzzz`; ? lists them"),
+        ] {
+            let message = Command::parse(text).map_err(|error| error.to_string());
+            assert!(message.clone().is_err_and(|m| m.starts_with(says)), "{text}: {message:?}");
+        }
+    }
+
+    #[test]
+    fn names_complete_as_far_as_they_agree() {
+        assert_eq!(Command::complete("al").as_deref(), Some("alpha"));
+        assert_eq!(Command::complete("sp").as_deref(), Some("speed="));
+        assert_eq!(Command::complete("q").as_deref(), Some("quit"));
+        assert_eq!(Command::complete("st").as_deref(), Some("st"));
+        assert_eq!(Command::complete("pan").as_deref(), Some("pan-"));
+        assert_eq!(Command::complete("zzz"), None);
+    }
+}

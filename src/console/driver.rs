@@ -1,0 +1,93 @@
+//! What the console needs of whatever runs the robot: the embedded simulator, a real robot or a
+//! recorded run. The console never looks behind it.
+
+use crate::robot::Intent;
+use crate::session::Snapshot;
+use std::path::Path;
+
+/// A run as the console sees it. No call may wait.
+pub trait Driver {
+    /// The state as it is now.
+    fn snapshot(&self) -> Snapshot;
+
+    /// Changes whenever [`Driver::snapshot`] would differ from before. The console draws a frame
+    /// only when this has changed, or a key was pressed.
+    fn version(&self) -> u64;
+
+    /// Takes a wish of the operator. [`Intent::Stop`] takes effect within this call.
+    fn intent(&mut self, intent: Intent);
+
+    /// Lets `seconds` of the robot's time pass. What owns no time of its own (a real robot) does
+    /// here what is due; a paused simulator lets the command in hand end and then stands still.
+    fn advance(&mut self, seconds: f64);
+
+    /// Whether the robot's time is ours to stretch: a simulator or a recording.
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
+    /// Writes the map so far to `dir` and answers, in a few words, what was written.
+    ///
+    /// # Errors
+    /// In words for the operator.
+    fn export(&mut self, dir: &Path) -> Result<String, String>;
+}
+
+/// How fast simulated time passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Speed(usize);
+
+/// The steps, in times real time; the last is as fast as it goes.
+const STEPS: [u32; 9] = [1, 2, 5, 10, 20, 50, 100, 200, 500];
+
+impl Default for Speed {
+    /// Ten times: a robot at 0.2 m/s is seen to move.
+    fn default() -> Self {
+        Self(3)
+    }
+}
+
+impl Speed {
+    /// As fast as it goes.
+    pub const MAX: Self = Self(STEPS.len());
+
+    /// Times real time; none for as fast as it goes.
+    #[must_use]
+    pub fn times(self) -> Option<f64> {
+        STEPS.get(self.0).map(|&times| f64::from(times))
+    }
+
+    /// The step with this many times real time, if there is one.
+    #[must_use]
+    pub fn of(times: f64) -> Option<Self> {
+        STEPS.iter().position(|&step| f64::from(step) == times).map(Self)
+    }
+
+    /// One step faster, or the same at the end.
+    #[must_use]
+    pub fn faster(self) -> Self {
+        Self((self.0 + 1).min(STEPS.len()))
+    }
+
+    /// One step slower, or the same at the end.
+    #[must_use]
+    pub fn slower(self) -> Self {
+        Self(self.0.saturating_sub(1))
+    }
+
+    /// Every step as it is written, for messages.
+    #[must_use]
+    pub fn all() -> String {
+        let steps: Vec<String> = STEPS.iter().map(u32::to_string).collect();
+        format!("{} or max", steps.join(", "))
+    }
+}
+
+impl std::fmt::Display for Speed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match STEPS.get(self.0) {
+            Some(times) => write!(f, "×{times}"),
+            None => f.write_str("×max"),
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! What a key does: model and snapshot in, changed model and effects out. Touches neither the
+//! terminal nor the robot; the loop carries out the effects.
+
+use super::action::Action;
+use super::command::{ALPHA, Command};
+use super::driver::Speed;
+use super::key::Key;
+use super::layout::Regions;
+use super::model::{Camera, Hint, Model, Overlay};
+use super::view::map::viewport;
+use crate::geometry::Vector;
+use crate::robot::Intent;
+use crate::session::snapshot::{Known, RunState, Snapshot};
+use crossterm::event::KeyCode;
+
+/// Something the loop must do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Effect {
+    /// Tell the driver.
+    Intent(Intent),
+    /// Write the map to this folder.
+    Export(String),
+    /// Draw everything anew.
+    Redraw,
+    /// Leave.
+    Quit,
+}
+
+/// How much α changes at one key, metres.
+const ALPHA_STEP: f64 = 0.05;
+/// How much closer one key brings the map.
+const ZOOM: f64 = 1.25;
+/// The share of the view that one key pans.
+const PAN: f64 = 0.125;
+
+/// Whether leaving now would leave a moving robot behind.
+#[must_use]
+pub fn may_move(snapshot: &Snapshot) -> bool {
+    let moving = match snapshot.robot {
+        Known::Known(robot) | Known::Stale { value: robot, .. } => robot.moving,
+        Known::Unknown => false,
+    };
+    moving || matches!(snapshot.run, RunState::Running | RunState::Stepping(_))
+}
+
+/// A key was pressed.
+pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
+    model.hint = None;
+    let action = model.keymap.action(key);
+    let typing = matches!(model.overlay, Overlay::Line(_));
+    // Stop comes before everything else. Only while a command is typed and nothing can move is
+    // its key a letter like others.
+    if action == Some(Action::Stop) && (!typing || key.typed().is_none() || may_move(snapshot)) {
+        if !typing {
+            model.overlay = Overlay::None;
+        }
+        return perform(model, snapshot, Action::Stop);
+    }
+    match std::mem::take(&mut model.overlay) {
+        Overlay::None => match action {
+            Some(action) => perform(model, snapshot, action),
+            None => {
+                let help = model.keymap.label(Action::Help);
+                refuse(model, format!("{key} does nothing here; {help} shows the keys"))
+            }
+        },
+        Overlay::Help(scroll) => press_in_help(model, key, action, scroll),
+        Overlay::Line(text) => press_in_line(model, snapshot, key, text),
+        Overlay::ConfirmQuit => {
+            if key.typed() == Some('y') || action == Some(Action::Quit) {
+                return vec![Effect::Intent(Intent::Stop), Effect::Quit];
+            }
+            tell(model, "staying".to_owned())
+        }
+    }
+}
+
+/// Text was pasted: into the command line, or nowhere.
+pub fn paste(model: &mut Model, text: &str) {
+    if let Overlay::Line(line) = &mut model.overlay {
+        line.extend(text.lines().next().unwrap_or("").chars().filter(|letter| !letter.is_control()));
+    } else {
+        let line = model.keymap.label(Action::CommandLine);
+        refuse(model, format!("pasted text is ignored here; {line} opens the command line"));
+    }
+}
+
+/// Does what the action says.
+pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
+    match action {
+        Action::Stop => return vec![Effect::Intent(Intent::Stop)],
+        Action::ClearStop if snapshot.run == RunState::Stopped => {
+            let run = model.keymap.label(Action::RunPause);
+            tell(model, format!("stop cleared; {run} runs on"));
+            return vec![Effect::Intent(Intent::ClearStop)];
+        }
+        Action::ClearStop => return refuse(model, "the robot is not stopped".to_owned()),
+        Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
+            return go(model, snapshot, action);
+        }
+        Action::AlphaDown => return set_alpha(model, snapshot.settings.alpha - ALPHA_STEP),
+        Action::AlphaUp => return set_alpha(model, snapshot.settings.alpha + ALPHA_STEP),
+        Action::SlowDown => return set_speed(model, Speed::slower),
+        Action::SpeedUp => return set_speed(model, Speed::faster),
+        Action::Finish => return vec![Effect::Intent(Intent::Finish)],
+        Action::ZoomIn | Action::ZoomOut | Action::Follow | Action::Fit => {
+            look(model, snapshot, action);
+        }
+        Action::PanLeft => pan(model, snapshot, Vector::new(-1.0, 0.0)),
+        Action::PanRight => pan(model, snapshot, Vector::new(1.0, 0.0)),
+        Action::PanUp => pan(model, snapshot, Vector::new(0.0, 1.0)),
+        Action::PanDown => pan(model, snapshot, Vector::new(0.0, -1.0)),
+        Action::ToggleContacts
+        | Action::ToggleTrajectory
+        | Action::TogglePlan
+        | Action::ToggleRejected
+        | Action::ToggleDetail => toggle(model, action),
+        Action::LogUp => model.log_back = (model.log_back + 3).min(snapshot.events.len()),
+        Action::LogDown => model.log_back = model.log_back.saturating_sub(3),
+        Action::Help => model.overlay = Overlay::Help(0),
+        Action::CommandLine => model.overlay = Overlay::Line(String::new()),
+        Action::Redraw => return vec![Effect::Redraw],
+        Action::Quit if may_move(snapshot) => model.overlay = Overlay::ConfirmQuit,
+        Action::Quit => return vec![Effect::Quit],
+    }
+    Vec::new()
+}
+
+fn tell(model: &mut Model, text: String) -> Vec<Effect> {
+    model.hint = Some(Hint { text, refusal: false });
+    Vec::new()
+}
+
+fn refuse(model: &mut Model, text: String) -> Vec<Effect> {
+    model.hint = Some(Hint { text, refusal: true });
+    Vec::new()
+}
+
+fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
+    match snapshot.run {
+        RunState::Stopped => {
+            let clear = model.keymap.label(Action::ClearStop);
+            return refuse(model, format!("stopped: {clear} clears the stop first"));
+        }
+        RunState::Complete => return refuse(model, "the map is complete".to_owned()),
+        RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
+        RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
+    }
+    let intent = match action {
+        Action::StepCommand => Intent::StepCommand,
+        Action::StepEvent => Intent::StepEvent,
+        Action::StepPhase => Intent::StepPhase,
+        _ if snapshot.run == RunState::Paused => Intent::Run,
+        _ => Intent::Pause,
+    };
+    vec![Effect::Intent(intent)]
+}
+
+fn set_alpha(model: &mut Model, alpha: f64) -> Vec<Effect> {
+    // Whole micrometres, so that steps up and down meet again.
+    let alpha = ((alpha * 1e6).round() / 1e6).clamp(ALPHA.0, ALPHA.1);
+    tell(model, format!("α {alpha:.2} m: {}", alpha_means(alpha)));
+    vec![Effect::Intent(Intent::SetAlpha { alpha })]
+}
+
+fn alpha_means(alpha: f64) -> &'static str {
+    if alpha <= ALPHA.0 {
+        "the finest there is"
+    } else if alpha >= ALPHA.1 {
+        "the coarsest there is"
+    } else {
+        "the plan follows until its first line is driven"
+    }
+}
+
+fn set_speed(model: &mut Model, change: impl Fn(Speed) -> Speed) -> Vec<Effect> {
+    match model.speed.map(change) {
+        Some(speed) => {
+            model.speed = Some(speed);
+            tell(model, format!("simulated time {speed}"))
+        }
+        None => refuse(model, "a real robot has one speed".to_owned()),
+    }
+}
+
+fn toggle(model: &mut Model, action: Action) {
+    let layers = &mut model.layers;
+    let switch = match action {
+        Action::ToggleContacts => &mut layers.contacts,
+        Action::ToggleTrajectory => &mut layers.trajectory,
+        Action::TogglePlan => &mut layers.plan,
+        Action::ToggleRejected => &mut layers.rejected,
+        _ => &mut model.log_detail,
+    };
+    *switch = !*switch;
+    let state = if *switch { "shown" } else { "hidden" };
+    tell(model, format!("{}: {state}", action.info().name));
+}
+
+fn look(model: &mut Model, snapshot: &Snapshot, action: Action) {
+    let (cols, rows) = model.size;
+    let Some(regions) = Regions::of(cols, rows) else {
+        return;
+    };
+    let view = viewport(&model.camera, snapshot, regions.map);
+    let center = view.center;
+    let zoomed = |factor: f64| {
+        let scale = (view.scale * factor)
+            .clamp(super::canvas::viewport::FINEST, super::canvas::viewport::COARSEST);
+        match model.camera {
+            Camera::Follow { .. } => Camera::Follow { scale, around: center },
+            Camera::Fit | Camera::Free { .. } => Camera::Free { scale, center },
+        }
+    };
+    model.camera = match action {
+        Action::ZoomIn => zoomed(1.0 / ZOOM),
+        Action::ZoomOut => zoomed(ZOOM),
+        Action::Follow => Camera::Follow { scale: view.scale, around: center },
+        _ => Camera::Fit,
+    };
+}
+
+fn pan(model: &mut Model, snapshot: &Snapshot, direction: Vector) {
+    let (cols, rows) = model.size;
+    if let Some(regions) = Regions::of(cols, rows) {
+        let view = viewport(&model.camera, snapshot, regions.map);
+        let step = Vector::new(view.x_range() * PAN, view.y_range() * PAN);
+        let center = view.center + direction.component_mul(&step);
+        model.camera = Camera::Free { scale: view.scale, center };
+    }
+}
+
+fn press_in_help(
+    model: &mut Model,
+    key: Key,
+    action: Option<Action>,
+    scroll: u16,
+) -> Vec<Effect> {
+    let moved = match action {
+        Some(Action::PanDown) => Some(scroll.saturating_add(1)),
+        Some(Action::PanUp) => Some(scroll.saturating_sub(1)),
+        Some(Action::LogDown) => Some(scroll.saturating_add(8)),
+        Some(Action::LogUp) => Some(scroll.saturating_sub(8)),
+        _ if key.is(KeyCode::Down) => Some(scroll.saturating_add(1)),
+        _ if key.is(KeyCode::Up) => Some(scroll.saturating_sub(1)),
+        _ => None,
+    };
+    if let Some(scroll) = moved {
+        let end = super::view::help::last_scroll(model);
+        model.overlay = Overlay::Help(scroll.min(end));
+    }
+    Vec::new()
+}
+
+fn press_in_line(model: &mut Model, snapshot: &Snapshot, key: Key, mut text: String) -> Vec<Effect> {
+    if key.is(KeyCode::Enter) {
+        model.last_line.clone_from(&text);
+        return match Command::parse(&text) {
+            Ok(command) => obey(model, snapshot, command),
+            Err(super::command::CommandError::Empty) => Vec::new(),
+            Err(error) => refuse(model, error.to_string()),
+        };
+    }
+    let leave = key.is(KeyCode::Esc)
+        || key.to_string() == "ctrl-c"
+        || (key.is(KeyCode::Backspace) && text.is_empty());
+    if leave {
+        return Vec::new();
+    }
+    if key.is(KeyCode::Backspace) {
+        text.pop();
+    } else if key.is(KeyCode::Tab) {
+        text = Command::complete(&text).unwrap_or(text);
+    } else if key.is(KeyCode::Up) {
+        text.clone_from(&model.last_line);
+    } else if key.to_string() == "ctrl-u" {
+        text.clear();
+    } else if let Some(letter) = key.typed() {
+        text.push(letter);
+    }
+    model.overlay = Overlay::Line(text);
+    Vec::new()
+}
+
+fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
+    match command {
+        Command::Action(action) => perform(model, snapshot, action),
+        Command::Alpha(alpha) => set_alpha(model, alpha),
+        Command::Speed(speed) => set_speed(model, |_| speed),
+        Command::Export(dir) => vec![Effect::Export(dir)],
+    }
+}

@@ -1,0 +1,91 @@
+//! The whole screen as a pure function of model and snapshot: shared references only, nothing is
+//! remembered between frames. One file a region:
+//!
+//! ```text
+//! header   PERIPLUS  L-shaped room · α 0.25 m              ▶ RUNNING  ×10  0:12:34
+//! phases   ✓ boundary 18.0 m   ▸ shape ━━━╸─── 45 %   · plan   · objects
+//!          ─ map · 5.0 × 4.0 m ─────────────────────────┬─ robot ────────────────
+//! map      ⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀                               │ pose    x 1.234 y 0.567   panel
+//!          ⡇           ⢸                                │ switch  ○ ○ ○
+//!          ─ log ───────────────────────────────────────┴────────────────────────
+//! log      0:12:31 • corner of -90°
+//! footer   space stop  r run/pause  n command  e event  p phase  ? help  q quit
+//! ```
+//!
+//! On wide screens the log stands below the panel. Banner, help and prompt lie over that.
+
+mod banner;
+mod footer;
+mod header;
+pub mod help;
+mod log;
+pub mod map;
+mod panel;
+mod pen;
+mod phases;
+mod switches;
+mod words;
+
+use super::layout::{MIN_COLS, MIN_ROWS, Regions};
+use super::model::{Model, Overlay};
+use super::theme::{Role, Theme};
+use crate::session::Snapshot;
+use pen::Pen;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+/// Draws everything. `area` is the whole screen, its upper left corner at the origin.
+pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    let Some(regions) = Regions::of(area.width, area.height) else {
+        return draw_too_small(snapshot, theme, area, buf);
+    };
+    header::draw(model, snapshot, theme, regions.header, buf);
+    phases::draw(snapshot, theme, regions.phases, buf);
+    draw_rules(&regions, snapshot, theme, buf);
+    map::draw(model, snapshot, theme, regions.map, buf);
+    map::draw_title(model, snapshot, theme, &regions, buf);
+    panel::draw(snapshot, theme, regions.panel, buf);
+    log::draw(model, snapshot, theme, regions.log, buf);
+    banner::draw(model, snapshot, theme, regions.map, buf);
+    footer::draw(model, snapshot, theme, regions.footer, buf);
+    if let Overlay::Help(scroll) = model.overlay {
+        help::draw(model, scroll, theme, area, buf);
+    }
+}
+
+/// The frame between the regions. It is doubled while the robot is stopped, so that the state
+/// shows wherever one looks.
+fn draw_rules(regions: &Regions, snapshot: &Snapshot, theme: &Theme, buf: &mut Buffer) {
+    let stopped = snapshot.run == crate::session::RunState::Stopped;
+    let [flat, tee_down, tee_up, upright, branch] =
+        if stopped { ["═", "╤", "╧", "│", "╞"] } else { ["─", "┬", "┴", "│", "├"] };
+    let mut pen = Pen::new(buf, theme, Rect::new(0, 0, regions.header.width, u16::MAX));
+    for rule in [regions.top_rule, regions.log_rule] {
+        for x in rule.left()..rule.right() {
+            pen.text(x, rule.y, flat, Role::Rule);
+        }
+    }
+    let side = regions.side_rule;
+    for y in side.top()..side.bottom() {
+        pen.text(side.x, y, upright, Role::Rule);
+    }
+    pen.text(side.x, regions.top_rule.y, tee_down, Role::Rule);
+    let joint = if regions.log_at_side { branch } else { tee_up };
+    pen.text(side.x, regions.log_rule.y, joint, Role::Rule);
+    pen.text(side.x + 2, regions.top_rule.y, " robot ", Role::Title);
+    pen.text(regions.log_rule.x + 2, regions.log_rule.y, " log ", Role::Title);
+}
+
+fn draw_too_small(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    let mut pen = Pen::new(buf, theme, area);
+    let (label, role) = words::run_state(snapshot);
+    pen.text(area.x, area.y, &label, role);
+    let lines = [
+        format!("terminal {}x{} is too small:", area.width, area.height),
+        format!("needs {MIN_COLS}x{MIN_ROWS}"),
+        "(stop and quit still work)".to_owned(),
+    ];
+    for (row, line) in (1..).zip(&lines) {
+        pen.text(area.x, area.y.saturating_add(row), line, Role::Warning);
+    }
+}

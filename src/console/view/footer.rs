@@ -1,0 +1,106 @@
+//! The bottom row: the command line while one is typed, else a remark, else the keys that matter
+//! now. Keys and words come from the action table.
+
+use super::pen::{Pen, width};
+use crate::console::action::{ACTIONS, Action, ActionInfo};
+use crate::console::command::Command;
+use crate::console::model::{Model, Overlay};
+use crate::console::theme::{Role, Theme};
+use crate::console::update::may_move;
+use crate::session::snapshot::{RunState, Snapshot};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    let mut pen = Pen::new(buf, theme, area);
+    if let Overlay::Line(text) = &model.overlay {
+        draw_prompt(&mut pen, model, snapshot, text, area);
+        return;
+    }
+    let mut x = area.x + 1;
+    if let Some(hint) = &model.hint {
+        let role = if hint.refusal { Role::Warning } else { Role::Hint };
+        let mark = if hint.refusal { "▲ " } else { "› " };
+        x = pen.text(x, area.y, mark, role);
+        x = pen.text(x, area.y, &hint.text, role);
+        x += 3;
+    }
+    draw_keys(&mut pen, model, snapshot, x, area);
+}
+
+fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, text: &str, area: Rect) {
+    let x = pen.text(area.x + 1, area.y, ":", Role::Key);
+    // The end of a long line is what is being typed.
+    let room = usize::from(area.width / 2);
+    let skip = text.chars().count().saturating_sub(room);
+    let tail: String = text.chars().skip(skip).collect();
+    let x = pen.text(x, area.y, &tail, Role::Value);
+    let x = pen.text(x, area.y, "▏", Role::Key);
+    let help = if may_move(snapshot) && model.keymap.label(Action::Stop) == "space" {
+        "space stops the robot; write alpha=0.3".to_owned()
+    } else {
+        Command::candidates(text).take(6).collect::<Vec<_>>().join("  ")
+    };
+    pen.text(x + 2, area.y, &help, Role::Muted);
+}
+
+fn draw_keys(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, mut x: u16, area: Rect) {
+    let mut entries = entries(model, snapshot);
+    let quit = entries.pop_if(|(_, word)| *word == "quit");
+    let help = entries.pop_if(|(_, word)| *word == "help");
+    let ends: Vec<_> = [help, quit].into_iter().flatten().collect();
+    let ends_width: u16 = ends.iter().map(|entry| entry_width(entry)).sum();
+    // Help and quit keep their place at the right; of the rest, as many as fit.
+    let right = area.right().saturating_sub(ends_width);
+    for entry in &entries {
+        if x + entry_width(entry) > right {
+            break;
+        }
+        x = draw_entry(pen, entry, x, area.y);
+    }
+    if x <= right {
+        ends.iter().fold(right, |x, entry| draw_entry(pen, entry, x, area.y));
+    }
+}
+
+type Entry = (String, &'static str);
+
+fn entry_width((keys, word): &Entry) -> u16 {
+    width(keys) + width(word) + 3
+}
+
+fn draw_entry(pen: &mut Pen<'_>, (keys, word): &Entry, x: u16, y: u16) -> u16 {
+    let x = pen.text(x, y, keys, Role::Key);
+    pen.text(x + 1, y, word, Role::Text) + 2
+}
+
+/// Keys and words in the order of the table; neighbours with the same word become one.
+fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for info in ACTIONS.iter().filter(|info| matters(info, snapshot)) {
+        let key = model.keymap.label(info.action);
+        match entries.last_mut() {
+            _ if key.is_empty() => {}
+            Some((keys, word)) if *word == info.footer => {
+                keys.push(' ');
+                keys.push_str(&key);
+            }
+            _ => entries.push((key, info.footer)),
+        }
+    }
+    entries
+}
+
+fn matters(info: &ActionInfo, snapshot: &Snapshot) -> bool {
+    let stopped = snapshot.run == RunState::Stopped;
+    let over = matches!(snapshot.run, RunState::Complete | RunState::Failed(_));
+    !info.footer.is_empty()
+        && match info.action {
+            Action::Stop => !stopped,
+            Action::ClearStop => stopped,
+            Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
+                !stopped && !over
+            }
+            _ => true,
+        }
+}

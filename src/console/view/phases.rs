@@ -1,0 +1,79 @@
+//! The strip of the four phases: which are done, which is under way and how far, what each cost.
+
+use super::pen::Pen;
+use super::words;
+use crate::console::theme::{Role, Theme};
+use crate::mapping::map::Phase;
+use crate::session::snapshot::{PhaseProgress, RunState, Snapshot};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+const PHASES: [Phase; 4] = [Phase::Boundary, Phase::Shape, Phase::Plan, Phase::Objects];
+
+pub(super) fn draw(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    for (index, phase) in (0u16..).zip(PHASES) {
+        let left = area.x + area.width * index / 4;
+        let right = area.x + area.width * (index + 1) / 4;
+        let cell = Rect::new(left, area.y, right - left, area.height);
+        let mut pen = Pen::new(buf, theme, cell);
+        draw_phase(&mut pen, snapshot, phase, cell);
+    }
+}
+
+fn draw_phase(pen: &mut Pen<'_>, snapshot: &Snapshot, phase: Phase, cell: Rect) {
+    let progress = &snapshot.progress[phase as usize];
+    let current = snapshot.phase == phase && !progress.done;
+    let failed = current && matches!(snapshot.run, RunState::Failed(_));
+    let (mark, role) = match (progress.done, failed, current) {
+        (true, ..) => ("✓", Role::Good),
+        (_, true, _) => ("✗", Role::Fault),
+        (_, _, true) => ("▸", Role::Title),
+        _ => ("·", Role::Muted),
+    };
+    let x = pen.text(cell.x + 1, cell.y, mark, role);
+    let name = phase.to_string();
+    let x = pen.text(x + 1, cell.y, &name, if progress.done { Role::Text } else { role });
+    if cell.height > 1 {
+        let right = cell.right() - 2;
+        pen.text_right(right, cell.y, &cost(progress), Role::Muted);
+        draw_bar(pen, cell.x + 1, cell.y + 1, cell.width - 3, progress, current);
+    } else if current {
+        let room = cell.right().saturating_sub(x + 2);
+        draw_bar(pen, x + 1, cell.y, room, progress, current);
+    } else if progress.done {
+        pen.text_right(cell.right() - 1, cell.y, &words::clock(progress.seconds), Role::Muted);
+    }
+}
+
+/// What a phase has cost so far; nothing for one that has not begun.
+fn cost(progress: &PhaseProgress) -> String {
+    if progress.travel > 0.0 {
+        format!("{}  {:.1} m", words::clock(progress.seconds), progress.travel)
+    } else if progress.done || progress.seconds > 0.0 {
+        words::clock(progress.seconds)
+    } else {
+        String::new()
+    }
+}
+
+/// A bar with the share in figures; without a share, a bar that claims nothing.
+fn draw_bar(pen: &mut Pen<'_>, x: u16, y: u16, room: u16, progress: &PhaseProgress, current: bool) {
+    let share = if progress.done { Some(1.0) } else { progress.share.filter(|share| share.is_finite()) };
+    let figure = match share {
+        Some(share) if current => format!("{:3.0} %", (share * 100.0).clamp(0.0, 100.0).floor()),
+        _ if current => "  … ".to_owned(),
+        _ => String::new(),
+    };
+    let figure_room = if current { 6 } else { 0 };
+    let length = room.saturating_sub(figure_room);
+    let halves = (share.unwrap_or(0.0).clamp(0.0, 1.0) * f64::from(length) * 2.0) as u16;
+    for step in 0..length {
+        let (symbol, role) = match halves.saturating_sub(step * 2) {
+            0 => ("─", Role::BarRest),
+            1 => ("╸", Role::BarDone),
+            _ => ("━", Role::BarDone),
+        };
+        pen.text(x + step, y, symbol, role);
+    }
+    pen.text(x + length + 1, y, &figure, Role::Value);
+}

@@ -1,0 +1,57 @@
+//! How values are written: the same words, units and digits everywhere on the screen.
+
+use crate::console::theme::Role;
+use crate::robot::{Command, command::Motion};
+use crate::session::snapshot::{RunState, Snapshot, Step};
+
+/// Hours, minutes and seconds.
+pub(super) fn clock(seconds: f64) -> String {
+    let whole = seconds.max(0.0) as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+/// A small length: millimetres below 10 m, metres from there.
+pub(super) fn small(metres: f64) -> String {
+    if metres.abs() < 10.0 {
+        format!("{:.0} mm", metres * 1e3)
+    } else {
+        format!("{metres:.1} m")
+    }
+}
+
+/// A count with its noun.
+pub(super) fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+/// The run state with its symbol, and what it looks like.
+pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
+    let (text, role) = match snapshot.run {
+        RunState::Paused => ("‖ PAUSED", Role::Paused),
+        RunState::Running => ("▶ RUNNING", Role::Running),
+        RunState::Stepping(Step::Command) => ("▷ ONE COMMAND", Role::Running),
+        RunState::Stepping(Step::Event) => ("▷ TO EVENT", Role::Running),
+        RunState::Stepping(Step::Phase) => ("▷ TO PHASE END", Role::Running),
+        RunState::Stopped => ("■ STOPPED", Role::Stopped),
+        RunState::Complete => ("✓ COMPLETE", Role::Complete),
+        RunState::Failed(_) => ("✗ FAILED", Role::Failed),
+    };
+    (format!(" {text} "), role)
+}
+
+/// A command in a few words.
+pub(super) fn command(command: &Command) -> String {
+    let guarded = command.guard.rise.union(command.guard.fall);
+    let guard = if guarded.is_empty() { "" } else { ", guarded" };
+    match command.motion {
+        Motion::Move { distance, .. } if distance < 0.0 => {
+            format!("back {}{guard}", small(-distance))
+        }
+        Motion::Move { distance, .. } => format!("move {}{guard}", small(distance)),
+        Motion::Turn { angle, .. } if angle < 0.0 => {
+            format!("turn right {:.0}°{guard}", -angle.to_degrees())
+        }
+        Motion::Turn { angle, .. } => format!("turn left {:.0}°{guard}", angle.to_degrees()),
+        Motion::Rest => "rest".to_owned(),
+    }
+}

@@ -265,6 +265,7 @@ impl Session {
                 Known::Unknown
             },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
+            hidden_at: None,
             map: self.mission.map_now(),
             settings: self.mission.settings().clone(),
             events: self.events.iter().cloned().collect(),

@@ -91,3 +91,15 @@ impl std::fmt::Display for Speed {
         }
     }
 }
+
+/// Real time, for the loop; the clock itself lives in the runtime.
+pub trait Clock {
+    /// Real time since this was asked last; the time that may be spent begins here.
+    fn since_last(&mut self) -> std::time::Duration;
+
+    /// Whether this much real time went by since [`Clock::since_last`].
+    fn has_spent(&self, budget: std::time::Duration) -> bool;
+
+    /// Whether `pause` went by since this last said yes.
+    fn frame_is_due(&mut self, pause: std::time::Duration) -> bool;
+}

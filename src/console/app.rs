@@ -1,0 +1,151 @@
+//! The console's loop: keys in, intents out, time on, frames when something changed. It never
+//! waits for the robot, and draws at most thirty frames a second.
+
+use super::driver::Driver;
+use super::key::Key;
+use super::keymap::Keymap;
+use super::model::Model;
+use super::terminal::Guard;
+use super::theme::Theme;
+use super::update::{Effect, paste, press};
+use super::view;
+use crate::robot::Intent;
+use super::driver::Clock;
+use crossterm::event::{Event, EventStream, KeyEventKind};
+use futures::StreamExt;
+use std::io;
+use std::time::Duration;
+use tokio::signal::unix::{SignalKind, signal};
+
+/// A frame at most this often.
+const FRAME: Duration = Duration::from_millis(33);
+
+/// How the console is set up.
+pub struct Options {
+    /// The keys.
+    pub keymap: Keymap,
+    /// Whether colours may be used.
+    pub colour: bool,
+}
+
+/// How the console ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The operator left.
+    Quit,
+    /// A signal with this number ended it.
+    Signal(u8),
+}
+
+/// Why the console could not go on.
+#[derive(Debug, thiserror::Error)]
+#[error("the terminal cannot be used: {0}")]
+pub struct ConsoleError(#[from] io::Error);
+
+/// Runs the console over `driver` until it is left.
+///
+/// # Errors
+/// When the terminal fails; the robot was told to stop.
+pub async fn run(
+    driver: &mut dyn Driver,
+    options: Options,
+    clock: &mut dyn Clock,
+) -> Result<Ending, ConsoleError> {
+    let mut guard = Guard::take()?;
+    let result = turn(driver, options, clock, &mut guard).await;
+    // Whatever ended it: nothing moves without an operator.
+    driver.intent(Intent::Stop);
+    driver.advance(0.5);
+    drop(guard);
+    result
+}
+
+async fn turn(
+    driver: &mut dyn Driver,
+    options: Options,
+    clock: &mut dyn Clock,
+    guard: &mut Guard,
+) -> Result<Ending, ConsoleError> {
+    let size = guard.terminal.size()?;
+    let mut model = Model::new(size.width, size.height, options.keymap);
+    if !driver.has_own_time() {
+        model.speed = None;
+    }
+    let theme = if options.colour { Theme::colour() } else { Theme::mono() };
+    let mut keys = EventStream::new();
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    let mut hangup = signal(SignalKind::hangup())?;
+    let mut tick = tokio::time::interval(FRAME);
+    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
+    let mut drawn: Option<(u64, Model)> = None;
+    let mut snapshot = driver.snapshot();
+    loop {
+        tokio::select! {
+            biased;
+            event = keys.next() => {
+                let Some(event) = event else { return Ok(Ending::Signal(1)) };
+                let effects = take(&mut model, &snapshot, event?);
+                for effect in effects {
+                    match effect {
+                        Effect::Intent(intent) => driver.intent(intent),
+                        Effect::Quit => return Ok(Ending::Quit),
+                        Effect::Redraw => { guard.terminal.clear()?; drawn = None; }
+                        Effect::Export(dir) => export(driver, &mut model, &dir),
+                    }
+                }
+            }
+            _ = interrupt.recv() => return Ok(Ending::Signal(2)),
+            _ = terminate.recv() => return Ok(Ending::Signal(15)),
+            _ = hangup.recv() => return Ok(Ending::Signal(1)),
+            _ = tick.tick() => {}
+        }
+        pass_time(driver, &model, clock);
+        let version = driver.version();
+        let fresh = drawn.as_ref().is_none_or(|(v, m)| *v != version || *m != model);
+        if fresh && clock.frame_is_due(FRAME) {
+            snapshot = driver.snapshot();
+            guard.terminal.draw(|frame| {
+                view::draw(&model, &snapshot, &theme, frame.area(), frame.buffer_mut());
+            })?;
+            drawn = Some((version, model.clone()));
+        }
+    }
+}
+
+/// Lets the robot's time pass as fast as was asked for, but never longer than half a frame of ours.
+fn pass_time(driver: &mut dyn Driver, model: &Model, clock: &mut dyn Clock) {
+    let real = clock.since_last();
+    let times = model.speed.map_or(Some(1.0), super::driver::Speed::times);
+    let mut left = times.map_or(f64::INFINITY, |times| real.as_secs_f64().min(0.1) * times);
+    while left > 0.0 && !clock.has_spent(FRAME / 2) {
+        let slice = left.min(0.4);
+        driver.advance(slice);
+        left -= slice;
+    }
+}
+
+fn take(model: &mut Model, snapshot: &crate::session::Snapshot, event: Event) -> Vec<Effect> {
+    match event {
+        Event::Key(key) if key.kind != KeyEventKind::Release => {
+            press(model, snapshot, Key::from_event(&key))
+        }
+        Event::Resize(cols, rows) => {
+            model.size = (cols, rows);
+            vec![Effect::Redraw]
+        }
+        Event::Paste(text) => {
+            paste(model, &text);
+            Vec::new()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn export(driver: &mut dyn Driver, model: &mut Model, dir: &str) {
+    let (text, refusal) = match driver.export(std::path::Path::new(dir)) {
+        Ok(text) => (text, false),
+        Err(text) => (text, true),
+    };
+    model.hint = Some(super::model::Hint { text, refusal });
+}

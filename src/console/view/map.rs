@@ -1,0 +1,182 @@
+//! The map: walls, objects, plan, trajectory and robot in braille. A pure function of snapshot and
+//! camera; the one place that decides what is drawn over what.
+
+use super::pen::Pen;
+use crate::console::canvas::viewport::Viewport;
+use crate::console::canvas::{Canvas, Pattern};
+use crate::console::layout::Regions;
+use crate::console::model::{Camera, Layers, Model};
+use crate::console::theme::{Role, Theme};
+use crate::geometry::ring::bounds;
+use crate::geometry::{Point, Vector, angle};
+use crate::mapping::map::{LineStatus, Part, PlanLine};
+use crate::session::snapshot::{Known, RobotView, Snapshot};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+/// What the camera shows in `area`.
+#[must_use]
+pub fn viewport(camera: &Camera, snapshot: &Snapshot, area: Rect) -> Viewport {
+    match *camera {
+        Camera::Free { scale, center } => Viewport::new(center, scale, area.width, area.height),
+        Camera::Follow { scale, around } => {
+            let center = robot(snapshot).map_or(around, |(robot, _)| robot.pose.position);
+            Viewport::new(center, scale, area.width, area.height)
+        }
+        Camera::Fit => {
+            let (low, high) = extent(snapshot);
+            Viewport::fit(low, high, area.width, area.height)
+        }
+    }
+}
+
+/// The box around everything known, at least 2 m wide.
+fn extent(snapshot: &Snapshot) -> (Point, Point) {
+    let map = &snapshot.map;
+    let mut points: Vec<Point> = vec![snapshot.settings.start.position];
+    match &map.shape {
+        Some(shape) => points.extend(shape.outline.to_points(0.01)),
+        None => points.extend(map.contacts.iter().map(|contact| contact.point)),
+    }
+    points.extend(map.path.iter().step_by(8).map(|point| point.pose.position));
+    points.extend(robot(snapshot).map(|(robot, _)| robot.pose.position));
+    let (low, high) = bounds(&points).unwrap_or((Point::origin(), Point::origin()));
+    let missing = (Vector::repeat(2.0) - (high - low)).sup(&Vector::repeat(0.2)) / 2.0;
+    (low - missing, high + missing)
+}
+
+fn robot(snapshot: &Snapshot) -> Option<(RobotView, bool)> {
+    match snapshot.robot {
+        Known::Known(robot) => Some((robot, true)),
+        Known::Stale { value, .. } => Some((value, false)),
+        Known::Unknown => None,
+    }
+}
+
+/// Draws the map into `area`.
+pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    let mut canvas = Canvas::new(viewport(&model.camera, snapshot, area));
+    draw_floor(&mut canvas, snapshot, model.layers);
+    draw_robot(&mut canvas, snapshot);
+    canvas.blit(theme, area, buf);
+    draw_labels(&canvas, snapshot, theme, area, buf);
+    draw_scale(&canvas, theme, area, buf);
+}
+
+fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
+    let map = &snapshot.map;
+    if layers.trajectory {
+        canvas.polyline(map.path.iter().map(|point| point.pose.position), Role::Trajectory);
+    }
+    if layers.plan
+        && let Some(plan) = &map.plan
+    {
+        for line in &plan.lines {
+            draw_line(canvas, line, layers.rejected);
+        }
+    }
+    canvas.point(snapshot.settings.start.position, Role::Start);
+    if let Some(shape) = &map.shape {
+        for part in &shape.parts {
+            draw_cuts(canvas, part);
+        }
+        canvas.ring(&shape.outline, Role::Wall);
+    }
+    if map.shape.is_none() || layers.contacts {
+        for contact in &map.contacts {
+            canvas.point(contact.point, Role::Contact);
+        }
+    }
+    for object in &map.objects {
+        canvas.ring(&object.outline, Role::Object);
+    }
+    if let (Some(at), Some(diameter)) = (snapshot.hidden_at, map.hidden_disc) {
+        canvas.circle(at, diameter / 2.0, Role::HiddenDisc, Pattern::Sparse(2));
+    }
+}
+
+fn draw_line(canvas: &mut Canvas, line: &PlanLine, rejected: bool) {
+    let (role, pattern) = match line.status {
+        LineStatus::Planned => (Role::LinePlanned, Pattern::Sparse(3)),
+        LineStatus::Driving => (Role::LineDriving, Pattern::Solid),
+        LineStatus::Driven => (Role::LineDriven, Pattern::Sparse(2)),
+        LineStatus::Blocked => (Role::LineBlocked, Pattern::Dash { on: 3, of: 5 }),
+        LineStatus::Skipped | LineStatus::Rejected if !rejected => return,
+        LineStatus::Skipped => (Role::LineSkipped, Pattern::Sparse(6)),
+        LineStatus::Rejected => (Role::LineRejected, Pattern::Sparse(8)),
+    };
+    let (from, to) = line.drive.unwrap_or((line.start, line.end));
+    canvas.line(from, to, role, pattern);
+}
+
+fn draw_cuts(canvas: &mut Canvas, part: &Part) {
+    for (piece, cut) in part.ring.pieces.iter().zip(&part.cut) {
+        if *cut {
+            canvas.line(piece.from(), piece.to(), Role::Cut, Pattern::Dash { on: 2, of: 4 });
+        }
+    }
+}
+
+fn draw_robot(canvas: &mut Canvas, snapshot: &Snapshot) {
+    let Some((robot, current)) = robot(snapshot) else { return };
+    let chassis = &snapshot.settings.chassis;
+    let (center, radius) = (robot.pose.position, chassis.radius);
+    let role = if current { Role::Robot } else { Role::RobotStale };
+    canvas.clear_disc(center, radius);
+    canvas.circle(center, radius, role, Pattern::Solid);
+    let nose = center + robot.pose.direction() * radius;
+    canvas.line(center, nose, role, Pattern::Solid);
+    for index in robot.switches.iter() {
+        let Some(mount) = chassis.sensors.get(index) else { continue };
+        let beam = angle::unit(robot.pose.heading + mount.angle);
+        let (rim, end) = (center + beam * radius, center + beam * chassis.reach());
+        canvas.line(rim, end, Role::Beam, Pattern::Solid);
+    }
+}
+
+fn draw_labels(canvas: &Canvas, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    let mut pen = Pen::new(buf, theme, area);
+    for object in &snapshot.map.objects {
+        let Some((low, high)) = object.outline.bounds() else { continue };
+        let middle = nalgebra::center(&low, &high);
+        if let Some((col, row)) = canvas.view().to_cell(middle) {
+            let label = format!("O{}", object.id);
+            pen.text(area.x + col, area.y + row, &label, Role::Object);
+        }
+    }
+}
+
+/// A bar of a round length at the lower left.
+fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    let view = canvas.view();
+    let cell = view.scale * 2.0;
+    let most = f64::from(area.width) * cell / 4.0;
+    let lengths = [50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
+    let Some(length) = lengths.into_iter().find(|length| *length <= most) else { return };
+    let cells = (length / cell).round().max(1.0) as u16;
+    let text = if length < 1.0 { format!("{:.0} cm", length * 100.0) } else { format!("{length:.0} m") };
+    let mut pen = Pen::new(buf, theme, area);
+    let row = area.bottom().saturating_sub(1);
+    let bar: String = "╺".to_owned() + &"━".repeat(usize::from(cells)) + "╸ ";
+    let x = pen.text(area.x + 1, row, &bar, Role::Muted);
+    pen.text(x, row, &text, Role::Muted);
+}
+
+/// Writes the map's title into the rule above it.
+pub fn draw_title(
+    model: &Model,
+    snapshot: &Snapshot,
+    theme: &Theme,
+    regions: &Regions,
+    buf: &mut Buffer,
+) {
+    let view = viewport(&model.camera, snapshot, regions.map);
+    let how = match model.camera {
+        Camera::Fit => "",
+        Camera::Follow { .. } => " · following",
+        Camera::Free { .. } => " · free view",
+    };
+    let title = format!(" map · {:.1} × {:.1} m{how} ", view.x_range(), view.y_range());
+    let mut pen = Pen::new(buf, theme, regions.top_rule);
+    pen.text(regions.top_rule.x + 2, regions.top_rule.y, &title, Role::Title);
+}

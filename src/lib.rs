@@ -1,7 +1,7 @@
 //! Periplus: an operator console for robots that map a room by touch.
-pub mod console;
 pub mod cli;
 pub mod commands;
+pub mod console;
 pub mod export;
 pub mod firmware;
 pub mod geometry;

@@ -2,6 +2,7 @@
 //! It decides nothing about mapping; what it drives is a [`Runner`].
 
 pub mod clock;
+pub mod driver;
 pub mod folder;
 pub mod progress;
 pub mod signals;

@@ -3,22 +3,24 @@
 
 use super::CommandError;
 use crate::cli::{ArgumentError, Common, FrameFormat, FrameSize, SnapshotArgs};
+use crate::console::app::{self, Options};
+use crate::console::{Keymap, frame};
 use crate::journal::{Header, Journal, Recording};
-use crate::runtime::Runner;
+use crate::runtime::driver::{RealClock, SimulatedDriver};
 use crate::runtime::simulated::{Headless, SimulatedRun};
+use crate::runtime::{OutputFolder, Runner};
 use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Checks a keymap.
 ///
 /// # Errors
 /// Says what is wrong, with file, line and key.
 pub fn check_keymap(path: &Path) -> Result<(), String> {
-    Err(format!(
-        "{}: this version has no console to read keymaps for",
-        path.display()
-    ))
+    keymap(Some(path))
+        .map(|_| ())
+        .map_err(|error| error.to_string())
 }
 
 /// A run in the simulator, ready to be driven; it keeps the record.
@@ -35,16 +37,111 @@ pub fn simulated(
     Ok(Box::new(Headless::new(run)))
 }
 
+/// The world that `periplus` shows when nothing is said.
+const DEMO: &str = include_str!("../../sims/flat.toml");
+
+fn world_or_demo(world: Option<&Path>, common: &Common) -> Result<World, CommandError> {
+    match world {
+        Some(path) => super::world::load(path, common),
+        None => super::world::built_in(DEMO, common),
+    }
+}
+
+fn keymap(path: Option<&Path>) -> Result<Keymap, CommandError> {
+    let Some(path) = path else {
+        return Ok(Keymap::default());
+    };
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|why| CommandError::Input(format!("{name}: cannot be read: {why}")))?;
+    Keymap::parse(&text, &name).map_err(|error| CommandError::Input(error.to_string()))
+}
+
 /// The console on a world, or on the built-in one.
 ///
 /// # Errors
 /// When the world or the keymap is wrong, or the terminal cannot be used.
 pub fn console(
-    _world: Option<&Path>,
-    _keymap: Option<&Path>,
-    _common: &Common,
+    world: Option<&Path>,
+    keys: Option<&Path>,
+    common: &Common,
 ) -> Result<u8, CommandError> {
-    Err(absent("the console"))
+    let keymap = keymap(keys)?;
+    let world = world_or_demo(world, common)?;
+    let header = header_of(&world, common, None)?;
+    let out = common.out.clone().map_or_else(state_folder, Ok)?;
+    OutputFolder::refuse_taken(&out)?;
+    let (folder, file) = OutputFolder::create(&out)?;
+    let journal = Journal::begin(file, &header).map_err(|source| CommandError::System {
+        what: "the record of the run",
+        source,
+    })?;
+    let noise = common.noise.unwrap_or_default();
+    let run = SimulatedRun::new(&world, header, noise, Some(journal));
+    let mut driver = SimulatedDriver::new(run);
+    let options = Options {
+        keymap,
+        colour: std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty()),
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build();
+    let runtime = runtime.map_err(|source| CommandError::System {
+        what: "the event loop",
+        source,
+    })?;
+    let ended = runtime.block_on(app::run(&mut driver, options, &mut RealClock::start()));
+    let mut headless = Headless::left(driver.into_run());
+    let mut status = 0;
+    for failure in headless.write(&folder) {
+        super::output::say(&format!("periplus: {failure}"));
+        status = 1;
+    }
+    super::output::say(&format!(
+        "periplus: recorded in {}",
+        folder.path().display()
+    ));
+    match ended {
+        Ok(app::Ending::Quit) => Ok(status),
+        Ok(app::Ending::Signal(number)) => Ok(128 + number),
+        Err(error) => {
+            super::output::say(&format!("periplus: {error}"));
+            Ok(1)
+        }
+    }
+}
+
+/// A fresh folder under the XDG state folder.
+fn state_folder() -> Result<PathBuf, CommandError> {
+    let home = std::env::var_os("XDG_STATE_HOME")
+        .map(PathBuf::from)
+        .or_else(|| {
+            std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local").join("state"))
+        });
+    let runs = home
+        .unwrap_or_else(std::env::temp_dir)
+        .join("periplus")
+        .join("runs");
+    (1..100_000)
+        .map(|number| runs.join(format!("{number:05}")))
+        .find(|dir| !dir.exists())
+        .ok_or(CommandError::Input(format!(
+            "{} is full; remove old runs",
+            runs.display()
+        )))
+}
+
+fn header_of(
+    world: &World,
+    common: &Common,
+    until: Option<crate::mapping::map::Phase>,
+) -> Result<Header, CommandError> {
+    Ok(Header {
+        settings: common.settings(world.start, common.body()?),
+        source: world.name.clone(),
+        noise: common.noise.unwrap_or_default().to_string(),
+        until,
+    })
 }
 
 /// The console over a record.
@@ -72,10 +169,28 @@ pub fn snapshot_of_record(
 ///
 /// # Errors
 /// When the world is wrong.
-pub fn snapshot_of_world(_args: &SnapshotArgs, _common: &Common) -> Result<String, CommandError> {
-    Err(absent("`periplus snapshot`"))
+pub fn snapshot_of_world(args: &SnapshotArgs, common: &Common) -> Result<String, CommandError> {
+    let world = world_or_demo(args.world.as_deref(), common)?;
+    let header = header_of(&world, common, args.until)?;
+    let noise = common.noise.unwrap_or_default();
+    let run: SimulatedRun<std::io::Sink> = SimulatedRun::new(&world, header, noise, None);
+    let mut headless = Headless::new(run);
+    while headless.step() == crate::runtime::Step::Going {}
+    let format = match args.format {
+        FrameFormat::Text => frame::Format::Text,
+        FrameFormat::Ansi => frame::Format::Ansi,
+        FrameFormat::Svg => frame::Format::Svg,
+    };
+    let snapshot = headless.inner().snapshot();
+    Ok(frame::render(
+        &snapshot,
+        args.size.columns,
+        args.size.rows,
+        format,
+        Keymap::default(),
+    ))
 }
 
 fn absent(what: &'static str) -> CommandError {
-    ArgumentError::absent(what, "session and simulator are not joined yet").into()
+    ArgumentError::absent(what, "a record cannot be shown again by this version").into()
 }

@@ -11,8 +11,27 @@ use std::path::Path;
 /// When the world is wrong, the robot cannot stand at the start, or α does not fit the room.
 pub fn load(path: &Path, common: &Common) -> Result<World, CommandError> {
     let radius = common.body()?.radius;
-    let input = |error: crate::simulator::WorldError| CommandError::Input(error.to_string());
-    let mut world = World::load(path, radius).map_err(input)?;
+    fitted(World::load(path, radius).map_err(input)?, common, radius)
+}
+
+/// The same for a world that comes with the program.
+///
+/// # Errors
+/// As [`load`].
+pub fn built_in(text: &str, common: &Common) -> Result<World, CommandError> {
+    let radius = common.body()?.radius;
+    fitted(
+        World::from_toml(text, "the built-in world", radius).map_err(input)?,
+        common,
+        radius,
+    )
+}
+
+fn input(error: crate::simulator::WorldError) -> CommandError {
+    CommandError::Input(error.to_string())
+}
+
+fn fitted(mut world: World, common: &Common, radius: f64) -> Result<World, CommandError> {
     if let Some(start) = common.start {
         world = world.with_start(start, radius).map_err(input)?;
     }

@@ -1,6 +1,7 @@
 //! The console's loop: keys in, intents out, time on, frames when something changed. It never
 //! waits for the robot, and draws at most thirty frames a second.
 
+use super::driver::Clock;
 use super::driver::Driver;
 use super::key::Key;
 use super::keymap::Keymap;
@@ -10,7 +11,6 @@ use super::theme::Theme;
 use super::update::{Effect, paste, press};
 use super::view;
 use crate::robot::Intent;
-use super::driver::Clock;
 use crossterm::event::{Event, EventStream, KeyEventKind};
 use futures::StreamExt;
 use std::io;
@@ -71,7 +71,11 @@ async fn turn(
     if !driver.has_own_time() {
         model.speed = None;
     }
-    let theme = if options.colour { Theme::colour() } else { Theme::mono() };
+    let theme = if options.colour {
+        Theme::colour()
+    } else {
+        Theme::mono()
+    };
     let mut keys = EventStream::new();
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;
@@ -102,7 +106,9 @@ async fn turn(
         }
         pass_time(driver, &model, clock);
         let version = driver.version();
-        let fresh = drawn.as_ref().is_none_or(|(v, m)| *v != version || *m != model);
+        let fresh = drawn
+            .as_ref()
+            .is_none_or(|(v, m)| *v != version || *m != model);
         if fresh && clock.frame_is_due(FRAME) {
             snapshot = driver.snapshot();
             guard.terminal.draw(|frame| {

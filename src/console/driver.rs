@@ -60,7 +60,10 @@ impl Speed {
     /// The step with this many times real time, if there is one.
     #[must_use]
     pub fn of(times: f64) -> Option<Self> {
-        STEPS.iter().position(|&step| f64::from(step) == times).map(Self)
+        STEPS
+            .iter()
+            .position(|&step| f64::from(step) == times)
+            .map(Self)
     }
 
     /// One step faster, or the same at the end.

@@ -40,7 +40,9 @@ pub fn planes(model: &Model, snapshot: &Snapshot) -> (String, String) {
     let symbols = text(&draw(model, snapshot, &Theme::colour()));
     let probe = draw(model, snapshot, &Theme::probe());
     let letters = rows_of(&probe, |cell| {
-        Theme::probed(cell.fg).map_or(' ', super::theme::Role::letter).to_string()
+        Theme::probed(cell.fg)
+            .map_or(' ', super::theme::Role::letter)
+            .to_string()
     });
     (symbols, letters)
 }
@@ -116,17 +118,27 @@ const PALETTE: [(Color, &str); 16] = [
 
 fn code_of(colour: Color, base: usize) -> Option<usize> {
     let index = PALETTE.iter().position(|(known, _)| *known == colour)?;
-    Some(if index < 8 { base + index } else { base + 60 + index - 8 })
+    Some(if index < 8 {
+        base + index
+    } else {
+        base + 60 + index - 8
+    })
 }
 
 fn hex(colour: Color, otherwise: &'static str) -> &'static str {
-    PALETTE.iter().find(|(known, _)| *known == colour).map_or(otherwise, |(_, hex)| hex)
+    PALETTE
+        .iter()
+        .find(|(known, _)| *known == colour)
+        .map_or(otherwise, |(_, hex)| hex)
 }
 
 fn svg(buf: &Buffer) -> String {
     const W: f64 = 9.0;
     const H: f64 = 18.0;
-    let (width, height) = (f64::from(buf.area.width) * W, f64::from(buf.area.height) * H);
+    let (width, height) = (
+        f64::from(buf.area.width) * W,
+        f64::from(buf.area.height) * H,
+    );
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          font-family=\"monospace\" font-size=\"15\"><rect width=\"100%\" height=\"100%\" fill=\"#121212\"/>\n"
@@ -141,7 +153,10 @@ fn svg(buf: &Buffer) -> String {
             }
             let (left, top) = (f64::from(x) * W, f64::from(y) * H);
             if paper != "#121212" {
-                let _ = writeln!(out, "<rect x=\"{left}\" y=\"{top}\" width=\"{W}\" height=\"{H}\" fill=\"{paper}\"/>");
+                let _ = writeln!(
+                    out,
+                    "<rect x=\"{left}\" y=\"{top}\" width=\"{W}\" height=\"{H}\" fill=\"{paper}\"/>"
+                );
             }
             let symbol = cell.symbol().chars().next().unwrap_or(' ');
             let dots = (symbol as u32).wrapping_sub(0x2800);
@@ -153,9 +168,16 @@ fn svg(buf: &Buffer) -> String {
                     '&' => "&amp;".to_owned(),
                     other => other.to_string(),
                 };
-                let weight = if cell.modifier.contains(Modifier::BOLD) { " font-weight=\"bold\"" } else { "" };
+                let weight = if cell.modifier.contains(Modifier::BOLD) {
+                    " font-weight=\"bold\""
+                } else {
+                    ""
+                };
                 let base = top + H * 0.76;
-                let _ = writeln!(out, "<text x=\"{left}\" y=\"{base}\" fill=\"{ink}\"{weight}>{escaped}</text>");
+                let _ = writeln!(
+                    out,
+                    "<text x=\"{left}\" y=\"{base}\" fill=\"{ink}\"{weight}>{escaped}</text>"
+                );
             }
         }
     }
@@ -171,7 +193,10 @@ fn braille(out: &mut String, dots: u32, at: (f64, f64), size: (f64, f64), ink: &
             if dots & bit != 0 {
                 let x = at.0 + size.0 * (f64::from(col) * 0.5 + 0.25);
                 let y = at.1 + size.1 * (f64::from(row) * 0.25 + 0.125);
-                let _ = writeln!(out, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"1.4\" fill=\"{ink}\"/>");
+                let _ = writeln!(
+                    out,
+                    "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"1.4\" fill=\"{ink}\"/>"
+                );
             }
         }
     }

@@ -98,7 +98,9 @@ impl Key {
     pub fn typed(self) -> Option<char> {
         match self.code {
             KeyCode::Char(letter)
-                if !self.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) =>
+                if !self
+                    .modifiers
+                    .intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) =>
             {
                 Some(letter)
             }
@@ -124,7 +126,11 @@ impl Key {
             KeyCode::PageDown => "pgdn",
             _ => return self.to_string(),
         };
-        if self.modifiers.is_empty() { arrow.to_owned() } else { self.to_string() }
+        if self.modifiers.is_empty() {
+            arrow.to_owned()
+        } else {
+            self.to_string()
+        }
     }
 }
 
@@ -158,20 +164,42 @@ mod tests {
     #[test]
     fn keys_are_read_as_they_are_written() {
         for text in [
-            "space", "q", "P", "?", ":", "-", "+", "[", "<", "ctrl-c", "alt-x", "shift-left", "f1",
-            "f12", "pageup", "0", "ctrl-pagedown", "α", "ctrl--",
+            "space",
+            "q",
+            "P",
+            "?",
+            ":",
+            "-",
+            "+",
+            "[",
+            "<",
+            "ctrl-c",
+            "alt-x",
+            "shift-left",
+            "f1",
+            "f12",
+            "pageup",
+            "0",
+            "ctrl-pagedown",
+            "α",
+            "ctrl--",
         ] {
             let key = Key::parse(text).unwrap_or_else(|| panic!("{text} was not understood"));
             assert_eq!(key.to_string(), text);
         }
-        for text in ["", "spce", "ctrl-", "f13", "f0", "shift-p", "qq", " ", "\u{7}"] {
+        for text in [
+            "", "spce", "ctrl-", "f13", "f0", "shift-p", "qq", " ", "\u{7}",
+        ] {
             assert_eq!(Key::parse(text), None, "{text:?} was taken for a key");
         }
     }
 
     #[test]
     fn what_the_terminal_reports_is_the_key_that_is_written() {
-        let event = KeyEvent::new(KeyCode::Char('C'), KeyModifiers::CONTROL | KeyModifiers::SHIFT);
+        let event = KeyEvent::new(
+            KeyCode::Char('C'),
+            KeyModifiers::CONTROL | KeyModifiers::SHIFT,
+        );
         assert_eq!(Some(Key::from_event(&event)), Key::parse("ctrl-c"));
         let event = KeyEvent::new(KeyCode::Char('?'), KeyModifiers::SHIFT);
         assert_eq!(Some(Key::from_event(&event)), Key::parse("?"));

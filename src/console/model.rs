@@ -56,7 +56,12 @@ pub struct Layers {
 
 impl Default for Layers {
     fn default() -> Self {
-        Self { contacts: false, trajectory: true, plan: true, rejected: false }
+        Self {
+            contacts: false,
+            trajectory: true,
+            plan: true,
+            rejected: false,
+        }
     }
 }
 

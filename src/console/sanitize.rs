@@ -7,7 +7,13 @@ use std::borrow::Cow;
 #[must_use]
 pub fn clean(text: &str) -> Cow<'_, str> {
     if text.chars().any(is_harmful) {
-        let replace = |letter| if is_harmful(letter) { '\u{fffd}' } else { letter };
+        let replace = |letter| {
+            if is_harmful(letter) {
+                '\u{fffd}'
+            } else {
+                letter
+            }
+        };
         Cow::Owned(text.chars().map(replace).collect())
     } else {
         Cow::Borrowed(text)
@@ -33,7 +39,10 @@ mod tests {
     #[test]
     fn harmful_text_is_replaced_and_the_rest_kept() {
         assert_eq!(clean("Küche 5 × 4, α"), "Küche 5 × 4, α");
-        assert_eq!(clean("a\x1b[2Jb\u{202e}c\u{200b}\n\u{9b}"), "a\u{fffd}[2Jb\u{fffd}c\u{fffd}\u{fffd}\u{fffd}");
+        assert_eq!(
+            clean("a\x1b[2Jb\u{202e}c\u{200b}\n\u{9b}"),
+            "a\u{fffd}[2Jb\u{fffd}c\u{fffd}\u{fffd}\u{fffd}"
+        );
         assert!(matches!(clean("plain"), Cow::Borrowed(_)));
     }
 }

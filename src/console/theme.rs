@@ -156,7 +156,10 @@ impl Theme {
                 Some(colour) if is_chip(role) => {
                     // Black on a colour reads on every palette; the bold face is for those
                     // terminals that cannot show the colour.
-                    Style::new().fg(Color::Black).bg(colour).add_modifier(Modifier::BOLD)
+                    Style::new()
+                        .fg(Color::Black)
+                        .bg(colour)
+                        .add_modifier(Modifier::BOLD)
                 }
                 Some(colour) => fg(colour).add_modifier(modifier_of(role)),
                 None => Style::new().add_modifier(modifier_of(role)),
@@ -194,7 +197,9 @@ impl Theme {
     }
 
     fn from_fn(style: impl Fn(Role) -> Style) -> Self {
-        Self { styles: Role::ALL.map(style) }
+        Self {
+            styles: Role::ALL.map(style),
+        }
     }
 }
 
@@ -251,7 +256,10 @@ mod tests {
         letters.dedup();
         assert_eq!(letters.len(), Role::ALL.len(), "two roles share a letter");
         for (index, role) in Role::ALL.iter().enumerate() {
-            assert_eq!(*role as usize, index, "{role:?} is out of order in Role::ALL");
+            assert_eq!(
+                *role as usize, index,
+                "{role:?} is out of order in Role::ALL"
+            );
         }
     }
 

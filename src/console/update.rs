@@ -61,7 +61,10 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             Some(action) => perform(model, snapshot, action),
             None => {
                 let help = model.keymap.label(Action::Help);
-                refuse(model, format!("{key} does nothing here; {help} shows the keys"))
+                refuse(
+                    model,
+                    format!("{key} does nothing here; {help} shows the keys"),
+                )
             }
         },
         Overlay::Help(scroll) => press_in_help(model, key, action, scroll),
@@ -78,10 +81,19 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
 /// Text was pasted: into the command line, or nowhere.
 pub fn paste(model: &mut Model, text: &str) {
     if let Overlay::Line(line) = &mut model.overlay {
-        line.extend(text.lines().next().unwrap_or("").chars().filter(|letter| !letter.is_control()));
+        line.extend(
+            text.lines()
+                .next()
+                .unwrap_or("")
+                .chars()
+                .filter(|letter| !letter.is_control()),
+        );
     } else {
         let line = model.keymap.label(Action::CommandLine);
-        refuse(model, format!("pasted text is ignored here; {line} opens the command line"));
+        refuse(
+            model,
+            format!("pasted text is ignored here; {line} opens the command line"),
+        );
     }
 }
 
@@ -127,12 +139,18 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
 }
 
 fn tell(model: &mut Model, text: String) -> Vec<Effect> {
-    model.hint = Some(Hint { text, refusal: false });
+    model.hint = Some(Hint {
+        text,
+        refusal: false,
+    });
     Vec::new()
 }
 
 fn refuse(model: &mut Model, text: String) -> Vec<Effect> {
-    model.hint = Some(Hint { text, refusal: true });
+    model.hint = Some(Hint {
+        text,
+        refusal: true,
+    });
     Vec::new()
 }
 
@@ -205,17 +223,25 @@ fn look(model: &mut Model, snapshot: &Snapshot, action: Action) {
     let view = viewport(&model.camera, snapshot, regions.map);
     let center = view.center;
     let zoomed = |factor: f64| {
-        let scale = (view.scale * factor)
-            .clamp(super::canvas::viewport::FINEST, super::canvas::viewport::COARSEST);
+        let scale = (view.scale * factor).clamp(
+            super::canvas::viewport::FINEST,
+            super::canvas::viewport::COARSEST,
+        );
         match model.camera {
-            Camera::Follow { .. } => Camera::Follow { scale, around: center },
+            Camera::Follow { .. } => Camera::Follow {
+                scale,
+                around: center,
+            },
             Camera::Fit | Camera::Free { .. } => Camera::Free { scale, center },
         }
     };
     model.camera = match action {
         Action::ZoomIn => zoomed(1.0 / ZOOM),
         Action::ZoomOut => zoomed(ZOOM),
-        Action::Follow => Camera::Follow { scale: view.scale, around: center },
+        Action::Follow => Camera::Follow {
+            scale: view.scale,
+            around: center,
+        },
         _ => Camera::Fit,
     };
 }
@@ -226,16 +252,14 @@ fn pan(model: &mut Model, snapshot: &Snapshot, direction: Vector) {
         let view = viewport(&model.camera, snapshot, regions.map);
         let step = Vector::new(view.x_range() * PAN, view.y_range() * PAN);
         let center = view.center + direction.component_mul(&step);
-        model.camera = Camera::Free { scale: view.scale, center };
+        model.camera = Camera::Free {
+            scale: view.scale,
+            center,
+        };
     }
 }
 
-fn press_in_help(
-    model: &mut Model,
-    key: Key,
-    action: Option<Action>,
-    scroll: u16,
-) -> Vec<Effect> {
+fn press_in_help(model: &mut Model, key: Key, action: Option<Action>, scroll: u16) -> Vec<Effect> {
     let moved = match action {
         Some(Action::PanDown) => Some(scroll.saturating_add(1)),
         Some(Action::PanUp) => Some(scroll.saturating_sub(1)),
@@ -252,7 +276,12 @@ fn press_in_help(
     Vec::new()
 }
 
-fn press_in_line(model: &mut Model, snapshot: &Snapshot, key: Key, mut text: String) -> Vec<Effect> {
+fn press_in_line(
+    model: &mut Model,
+    snapshot: &Snapshot,
+    key: Key,
+    mut text: String,
+) -> Vec<Effect> {
     if key.is(KeyCode::Enter) {
         model.last_line.clone_from(&text);
         return match Command::parse(&text) {

@@ -57,8 +57,11 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
 /// shows wherever one looks.
 fn draw_rules(regions: &Regions, snapshot: &Snapshot, theme: &Theme, buf: &mut Buffer) {
     let stopped = snapshot.run == crate::session::RunState::Stopped;
-    let [flat, tee_down, tee_up, upright, branch] =
-        if stopped { ["═", "╤", "╧", "│", "╞"] } else { ["─", "┬", "┴", "│", "├"] };
+    let [flat, tee_down, tee_up, upright, branch] = if stopped {
+        ["═", "╤", "╧", "│", "╞"]
+    } else {
+        ["─", "┬", "┴", "│", "├"]
+    };
     let mut pen = Pen::new(buf, theme, Rect::new(0, 0, regions.header.width, u16::MAX));
     for rule in [regions.top_rule, regions.log_rule] {
         for x in rule.left()..rule.right() {
@@ -73,7 +76,12 @@ fn draw_rules(regions: &Regions, snapshot: &Snapshot, theme: &Theme, buf: &mut B
     let joint = if regions.log_at_side { branch } else { tee_up };
     pen.text(side.x, regions.log_rule.y, joint, Role::Rule);
     pen.text(side.x + 2, regions.top_rule.y, " robot ", Role::Title);
-    pen.text(regions.log_rule.x + 2, regions.log_rule.y, " log ", Role::Title);
+    pen.text(
+        regions.log_rule.x + 2,
+        regions.log_rule.y,
+        " log ",
+        Role::Title,
+    );
 }
 
 fn draw_too_small(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {

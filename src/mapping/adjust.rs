@@ -136,15 +136,21 @@ impl Laid<'_> {
 }
 
 fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
-    let near: Vec<Point> = walls.iter().copied().filter(|p| (p - point).norm() < 0.1).collect();
+    let near: Vec<Point> = walls
+        .iter()
+        .copied()
+        .filter(|p| (p - point).norm() < 0.1)
+        .collect();
     if near.len() < 4 {
         return None;
     }
     let stretch = Stretch::through(&near)?;
     let along = |p: Point| stretch.along.dot(&(p - stretch.at));
-    let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-        (low.min(along(p)), high.max(along(p)))
-    });
+    let (low, high) = near
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
+            (low.min(along(p)), high.max(along(p)))
+        });
     // Beyond what was seen the wall may do anything.
     let within = (low - 0.015..=high + 0.015).contains(&along(point));
     (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)

@@ -1,7 +1,7 @@
 //! A session over the embedded simulator, with its record: what `run`, the console and `snapshot`
 //! drive. Virtual time: one step is 20 ms of the robot's life, however long it takes.
 
-use super::{Ending, Progress, Runner, Step};
+use super::{Ending, OutputFolder, Progress, Runner, Step};
 use crate::export::{Outcome, RunRecord, truth};
 use crate::geometry::Pose;
 use crate::journal::{Header, Journal, PhaseEnd, state_hash};
@@ -143,6 +143,44 @@ impl<W: Write> SimulatedRun<W> {
         Some(Ending { outcome, reason })
     }
 
+    /// Writes everything known so far into `dir`.
+    ///
+    /// # Errors
+    /// In words, when the folder holds another run or cannot be written.
+    pub fn export(&mut self, dir: &std::path::Path) -> Result<String, String> {
+        OutputFolder::refuse_taken(dir).map_err(|error| error.to_string())?;
+        let (folder, _) = OutputFolder::create(dir).map_err(|error| error.to_string())?;
+        self.conclude();
+        let ending = self.ending().unwrap_or(Ending {
+            outcome: Outcome::Stopped,
+            reason: "exported while under way".to_owned(),
+        });
+        let failures = folder.write_results(&self.record_of(&ending, 0.0));
+        match failures.first() {
+            None => Ok(format!("written to {}", dir.display())),
+            Some(failure) => Err(failure.to_string()),
+        }
+    }
+
+    /// The record as the exports need it.
+    fn record_of<'a>(&'a self, ending: &'a Ending, wall_seconds: f64) -> RunRecord<'a> {
+        let mission = self.session.mission();
+        RunRecord {
+            map: &self.map,
+            settings: mission.settings(),
+            outcome: ending.outcome,
+            reason: &ending.reason,
+            world: &self.header.source,
+            noise: &self.header.noise,
+            progress: *self.session.progress(),
+            laps: mission.laps(),
+            bumps: self.link.bumps(),
+            contact: self.link.contact(),
+            true_path: self.true_path.as_deref(),
+            wall_seconds,
+        }
+    }
+
     /// Fixes the map and the truth beside it, for [`Runner::record`].
     pub fn conclude(&mut self) {
         self.map = self.session.mission().map_now();
@@ -165,6 +203,26 @@ impl<W: Write> Headless<W> {
     pub fn new(mut run: SimulatedRun<W>) -> Self {
         run.intent(Intent::Run);
         Self { run, idle: 0 }
+    }
+
+    /// A run that the operator has left.
+    #[must_use]
+    pub fn left(run: SimulatedRun<W>) -> Self {
+        Self { run, idle: 0 }
+    }
+
+    /// Ends the record and writes the results; what failed, in words.
+    pub fn write(&mut self, folder: &OutputFolder) -> Vec<String> {
+        let mut failures: Vec<String> = Vec::new();
+        failures.extend(self.finish_journal().err().map(|error| error.to_string()));
+        self.run.conclude();
+        let ending = self.run.ending().unwrap_or(Ending {
+            outcome: Outcome::Stopped,
+            reason: Failure::Ended.to_string(),
+        });
+        let written = folder.write_results(&self.run.record_of(&ending, 0.0));
+        failures.extend(written.iter().map(ToString::to_string));
+        failures
     }
 
     /// The run itself.
@@ -215,21 +273,7 @@ impl<W: Write> Runner for Headless<W> {
     }
 
     fn record<'a>(&'a self, ending: &'a Ending, wall_seconds: f64) -> RunRecord<'a> {
-        let mission = self.run.session.mission();
-        RunRecord {
-            map: &self.run.map,
-            settings: mission.settings(),
-            outcome: ending.outcome,
-            reason: &ending.reason,
-            world: &self.run.header.source,
-            noise: &self.run.header.noise,
-            progress: *self.run.session.progress(),
-            laps: mission.laps(),
-            bumps: self.run.link.bumps(),
-            contact: self.run.link.contact(),
-            true_path: self.run.true_path.as_deref(),
-            wall_seconds,
-        }
+        self.run.record_of(ending, wall_seconds)
     }
 
     fn finish_journal(&mut self) -> std::io::Result<()> {

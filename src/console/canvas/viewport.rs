@@ -99,8 +99,7 @@ mod tests {
     fn dots_are_square_whatever_the_size() {
         for cols in [1, 2, 7, 52, 84, 300] {
             for rows in [1, 3, 14, 25, 100] {
-                let view =
-                    Viewport::fit(Point::new(-1.0, 0.5), Point::new(4.0, 3.2), cols, rows);
+                let view = Viewport::fit(Point::new(-1.0, 0.5), Point::new(4.0, 3.2), cols, rows);
                 let dot_x = view.x_range() / (2.0 * f64::from(cols));
                 let dot_y = view.y_range() / (4.0 * f64::from(rows));
                 assert!(

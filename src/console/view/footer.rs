@@ -11,7 +11,13 @@ use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
+pub(super) fn draw(
+    model: &Model,
+    snapshot: &Snapshot,
+    theme: &Theme,
+    area: Rect,
+    buf: &mut Buffer,
+) {
     let mut pen = Pen::new(buf, theme, area);
     if let Overlay::Line(text) = &model.overlay {
         draw_prompt(&mut pen, model, snapshot, text, area);
@@ -19,7 +25,11 @@ pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect
     }
     let mut x = area.x + 1;
     if let Some(hint) = &model.hint {
-        let role = if hint.refusal { Role::Warning } else { Role::Hint };
+        let role = if hint.refusal {
+            Role::Warning
+        } else {
+            Role::Hint
+        };
         let mark = if hint.refusal { "▲ " } else { "› " };
         x = pen.text(x, area.y, mark, role);
         x = pen.text(x, area.y, &hint.text, role);
@@ -39,7 +49,10 @@ fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, text: &str
     let help = if may_move(snapshot) && model.keymap.label(Action::Stop) == "space" {
         "space stops the robot; write alpha=0.3".to_owned()
     } else {
-        Command::candidates(text).take(6).collect::<Vec<_>>().join("  ")
+        Command::candidates(text)
+            .take(6)
+            .collect::<Vec<_>>()
+            .join("  ")
     };
     pen.text(x + 2, area.y, &help, Role::Muted);
 }
@@ -59,7 +72,8 @@ fn draw_keys(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, mut x: u16, 
         x = draw_entry(pen, entry, x, area.y);
     }
     if x <= right {
-        ends.iter().fold(right, |x, entry| draw_entry(pen, entry, x, area.y));
+        ends.iter()
+            .fold(right, |x, entry| draw_entry(pen, entry, x, area.y));
     }
 }
 

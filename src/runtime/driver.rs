@@ -1,0 +1,104 @@
+//! The console's driver over a simulated run, and the console's clock.
+
+use super::Stopwatch;
+use super::simulated::SimulatedRun;
+use crate::console::driver::{Clock, Driver};
+use crate::firmware::STEP;
+use crate::robot::Intent;
+use crate::session::Snapshot;
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+
+/// A simulated run under an operator's hands.
+pub struct SimulatedDriver<W: Write> {
+    run: SimulatedRun<W>,
+    /// Robot time that is owed, seconds: less than a step.
+    owed: f64,
+}
+
+impl<W: Write> SimulatedDriver<W> {
+    /// Hands `run` to the operator.
+    #[must_use]
+    pub fn new(run: SimulatedRun<W>) -> Self {
+        Self { run, owed: 0.0 }
+    }
+
+    /// The run, when the operator has left.
+    #[must_use]
+    pub fn into_run(self) -> SimulatedRun<W> {
+        self.run
+    }
+}
+
+impl<W: Write> Driver for SimulatedDriver<W> {
+    fn snapshot(&self) -> Snapshot {
+        self.run.snapshot()
+    }
+
+    fn version(&self) -> u64 {
+        self.run.session().version()
+    }
+
+    fn intent(&mut self, intent: Intent) {
+        self.run.intent(intent);
+    }
+
+    fn advance(&mut self, seconds: f64) {
+        self.owed += seconds;
+        while self.owed >= STEP {
+            self.owed -= STEP;
+            // While nothing is under way simulated time stands still.
+            if !self.run.is_under_way() {
+                self.owed = 0.0;
+                return;
+            }
+            self.run.advance();
+        }
+    }
+
+    fn export(&mut self, dir: &Path) -> Result<String, String> {
+        self.run.export(dir)
+    }
+}
+
+/// Real time for the console's loop.
+pub struct RealClock {
+    watch: Stopwatch,
+    last: f64,
+    frame: f64,
+}
+
+impl RealClock {
+    /// Starts now.
+    #[must_use]
+    pub fn start() -> Self {
+        Self {
+            watch: Stopwatch::start(),
+            last: 0.0,
+            frame: -1.0,
+        }
+    }
+}
+
+impl Clock for RealClock {
+    fn since_last(&mut self) -> Duration {
+        let now = self.watch.seconds();
+        let passed = now - self.last;
+        self.last = now;
+        Duration::from_secs_f64(passed.max(0.0))
+    }
+
+    fn has_spent(&self, budget: Duration) -> bool {
+        self.watch.seconds() - self.last > budget.as_secs_f64()
+    }
+
+    fn frame_is_due(&mut self, pause: Duration) -> bool {
+        let now = self.watch.seconds();
+        let due = now - self.frame >= pause.as_secs_f64() * 0.9;
+        if due {
+            self.frame = now;
+        }
+        due
+    }
+}

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 /// `text` with everything that could do more than be read replaced by `�`.
 #[must_use]
-pub fn clean(text: &str) -> Cow<'_, str> {
+pub(super) fn clean(text: &str) -> Cow<'_, str> {
     if text.chars().any(is_harmful) {
         let replace = |letter| {
             if is_harmful(letter) {

@@ -57,16 +57,17 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
         return perform(model, snapshot, Action::Stop);
     }
     match std::mem::take(&mut model.overlay) {
-        Overlay::None => match action {
-            Some(action) => perform(model, snapshot, action),
-            None => {
+        Overlay::None => {
+            if let Some(action) = action {
+                perform(model, snapshot, action)
+            } else {
                 let help = model.keymap.label(Action::Help);
                 refuse(
                     model,
                     format!("{key} does nothing here; {help} shows the keys"),
                 )
             }
-        },
+        }
         Overlay::Help(scroll) => press_in_help(model, key, action, scroll),
         Overlay::Line(text) => press_in_line(model, snapshot, key, text),
         Overlay::ConfirmQuit => {

@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn distances_agree_with_measuring_all_segments() {
         let segments = fan();
-        let index = SegmentIndex::new(segments.clone(), 0.25);
+        let index = SegmentIndex::new(segments, 0.25);
         for i in -20_i32..80 {
             for j in -20_i32..50 {
                 let p = Point::new(f64::from(i) * 0.1003, f64::from(j) * 0.1007);

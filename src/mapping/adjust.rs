@@ -231,7 +231,7 @@ impl Adjustment {
 
     fn pair(&self, time_us: u64) -> Option<(Pose, Pose)> {
         let after = self.raw.partition_point(|point| point.time_us <= time_us);
-        let index = after.checked_sub(1).unwrap_or(0);
+        let index = after.saturating_sub(1);
         Some((self.raw.get(index)?.pose, self.adjusted.get(index)?.pose))
     }
 }

@@ -150,22 +150,21 @@ impl Rolling {
         }
         let away = at - pose.position;
         let level: Vector = crate::geometry::perp(away) * -self.side.sign();
-        let (stretch, certain, extent) = match best {
-            Some((stretch, spread)) => (stretch, spread > 0.05, (2.0 * spread).max(0.06)),
-            None => {
-                let along = level
-                    .try_normalize(1e-9)
-                    .unwrap_or_else(|| pose.direction());
-                (
-                    Stretch {
-                        at,
-                        along,
-                        residual: 0.0,
-                    },
-                    false,
-                    0.1,
-                )
-            }
+        let (stretch, certain, extent) = if let Some((stretch, spread)) = best {
+            (stretch, spread > 0.05, (2.0 * spread).max(0.06))
+        } else {
+            let along = level
+                .try_normalize(1e-9)
+                .unwrap_or_else(|| pose.direction());
+            (
+                Stretch {
+                    at,
+                    along,
+                    residual: 0.0,
+                },
+                false,
+                0.1,
+            )
         };
         let onward = -self.side.sign() * cross(away, stretch.along);
         let along = if onward < 0.0 {

@@ -534,21 +534,18 @@ impl Mission {
         for kind in told {
             self.tell(kind, out);
         }
-        match next {
-            Some(ask) => {
-                self.task = Task::Tour(tour);
-                self.order(&ask, out);
-            }
-            None => {
-                self.tell(
-                    EventKind::PhaseEnded {
-                        phase: Phase::Objects,
-                    },
-                    out,
-                );
-                self.outcome = Outcome::Complete;
-                self.tell(EventKind::Complete, out);
-            }
+        if let Some(ask) = next {
+            self.task = Task::Tour(tour);
+            self.order(&ask, out);
+        } else {
+            self.tell(
+                EventKind::PhaseEnded {
+                    phase: Phase::Objects,
+                },
+                out,
+            );
+            self.outcome = Outcome::Complete;
+            self.tell(EventKind::Complete, out);
         }
     }
 }

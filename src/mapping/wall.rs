@@ -231,15 +231,12 @@ impl Wall {
             let tip = self.silhouette(seen);
             self.log[twin].kind = ContactKind::Edge;
             seen.kind = ContactKind::Edge;
-            match tip {
-                Some(point) => {
-                    self.log[twin].point = point;
-                    seen.point = point;
-                }
-                None => {
-                    self.log[twin].alive = false;
-                    seen.alive = false;
-                }
+            if let Some(point) = tip {
+                self.log[twin].point = point;
+                seen.point = point;
+            } else {
+                self.log[twin].alive = false;
+                seen.alive = false;
             }
         }
     }

@@ -208,9 +208,9 @@ impl Body {
                 let pose = at(middle);
                 let closed = self.closed(self.grid.near(pose.position), pose, index);
                 if closed == now.has(index) {
-                    high = middle
+                    high = middle;
                 } else {
-                    low = middle
+                    low = middle;
                 }
             }
             found.push((high, index));

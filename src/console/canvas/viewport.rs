@@ -87,7 +87,7 @@ impl Viewport {
             && y >= 0.0
             && x < f64::from(self.cols) * f64::from(DOTS_X)
             && y < f64::from(self.rows) * f64::from(DOTS_Y);
-        inside.then(|| (x as u16 / DOTS_X, y as u16 / DOTS_Y))
+        inside.then_some((x as u16 / DOTS_X, y as u16 / DOTS_Y))
     }
 }
 

@@ -62,7 +62,7 @@ fn draw_keys(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, mut x: u16, 
     let quit = entries.pop_if(|(_, word)| *word == "quit");
     let help = entries.pop_if(|(_, word)| *word == "help");
     let ends: Vec<_> = [help, quit].into_iter().flatten().collect();
-    let ends_width: u16 = ends.iter().map(|entry| entry_width(entry)).sum();
+    let ends_width: u16 = ends.iter().map(entry_width).sum();
     // Help and quit keep their place at the right; of the rest, as many as fit.
     let right = area.right().saturating_sub(ends_width);
     for entry in &entries {

@@ -2,8 +2,8 @@
 
 use crate::geometry::{Piece, Point, Ring, angle};
 
-/// A ragged hall of a real flat. From Valetudo (https://github.com/Hypfer/Valetudo), commit
-/// b41e048, roborock test map S5_FW2008, Apache-2.0, Copyright Sören Beye; traced to a polygon.
+/// A ragged hall of a real flat. From Valetudo (<https://github.com/Hypfer/Valetudo>), commit
+/// b41e048, roborock test map `S5_FW2008`, Apache-2.0, Copyright Sören Beye; traced to a polygon.
 const HALL: [(f64, f64); 58] = [
     (1.269, 0.5793),
     (1.269, 0.0),

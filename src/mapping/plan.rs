@@ -185,40 +185,4 @@ impl Work<'_> {
 }
 
 #[cfg(test)]
-mod figures_tmp {
-    use super::*;
-    use crate::mapping::floor::rooms;
-    #[test]
-    fn figures_tmp() {
-        for (name, room) in [
-            ("5x4", rooms::rectangle(5.0, 4.0)),
-            ("ell", rooms::ell()),
-            ("flat", rooms::flat()),
-        ] {
-            for alpha in [0.5, 0.25, 0.1, 0.06] {
-                let shape = rooms::shape(&room);
-                let lap = rooms::lap(&room, 0.145);
-                let mut settings = Settings::new(crate::geometry::Pose::new(0.5, 0.5, 0.0));
-                settings.alpha = alpha;
-                let t = std::time::SystemTime::now();
-                let plan = make(&PlanRequest {
-                    shape: &shape,
-                    objects: &[],
-                    driven: &lap,
-                    from: Point::new(0.5, 0.145),
-                    settings: &settings,
-                });
-                println!(
-                    "{name} {alpha} entries {} planned {} {:?}",
-                    plan.lines.len(),
-                    plan.lines.iter().filter(|l| l.drive.is_some()).count(),
-                    t.elapsed().unwrap()
-                );
-                println!("   {:?}", plan.figures);
-                for a in &plan.alternatives {
-                    println!("   {a:?}");
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -13,6 +13,8 @@ use std::collections::BinaryHeap;
 const APPROACH: f64 = 1.0;
 /// The first choice is among end points at least this far apart, metres.
 const APART: f64 = 0.2;
+/// The first choice is among this many lines at most.
+const MOST: usize = 6000;
 /// On the coarse raster a place stands for its surroundings: this much is kept in hand, metres.
 const COARSE_GUARD: f64 = 0.010;
 /// The same on the fine raster.
@@ -99,7 +101,8 @@ fn candidates<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<Candidate<'a>> 
 
 /// Every few end points of each vertex, when α puts them closer together than a choice needs.
 fn thinned(candidates: &[Candidate<'_>], alpha: f64) -> Vec<usize> {
-    let stride = (APART / alpha).floor().max(1.0) as usize;
+    let near = (APART / alpha).floor().max(1.0) as usize;
+    let stride = near.max(candidates.len().div_ceil(MOST));
     (0..candidates.len()).filter(|k| k % stride == 0).collect()
 }
 

@@ -90,7 +90,9 @@ fn serving(
         spot,
         best: None,
     };
-    for line in lines {
+    // Walking along a line for its free pieces is dear: only those that pass here at all.
+    let passes = |line: &&PlanLine| line.drive.is_some_and(|(a, b)| serves(work, spot, a, b));
+    for line in lines.iter().filter(passes) {
         for (from, to) in drive::free_pieces(work.floor, line) {
             choice.offer(from, to, Some(line.id));
         }

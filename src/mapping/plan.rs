@@ -5,6 +5,7 @@
 mod circle;
 mod cover;
 mod drive;
+mod entries;
 mod lanes;
 mod lean;
 mod order;
@@ -41,58 +42,45 @@ pub struct PlanRequest<'a> {
 /// Makes the plan of the strategy chosen, and the figures of the others.
 #[must_use]
 pub fn make(request: &PlanRequest<'_>) -> Plan {
-    let settings = request.settings;
-    let rings: Vec<&Ring> = request.objects.iter().map(|o| &o.outline).collect();
-    let floor = Floor::new(
-        &request.shape.outline,
-        &rings,
-        &settings.chassis,
-        request.from,
-    );
-    make_on(&floor, request)
+    made(request, true)
 }
 
-/// [`make`] on a floor that is there already.
+/// Makes the plan of the strategy chosen alone: no alternatives, in a fraction of the time.
 #[must_use]
-pub fn make_on(floor: &Floor, request: &PlanRequest<'_>) -> Plan {
+pub fn make_alone(request: &PlanRequest<'_>) -> Plan {
+    made(request, false)
+}
+
+fn made(request: &PlanRequest<'_>, with_others: bool) -> Plan {
     let settings = request.settings;
-    let mut lines = paper::lines(floor, request.shape, settings.alpha, settings.seed);
+    let rings: Vec<&Ring> = request.objects.iter().map(|o| &o.outline).collect();
+    let outline = &request.shape.outline;
+    let floor = Floor::new(outline, &rings, &settings.chassis, request.from);
+    let mut lines = paper::lines(&floor, request.shape, settings.alpha, settings.seed);
     let driven = Coverage::of(request.driven);
     let work = Work {
-        floor,
+        floor: &floor,
         shape: request.shape,
         driven: &driven,
-        lap: Unswept::new(floor, driven.segments()),
+        lap: Unswept::new(&floor, driven.segments()),
         from: request.from,
         target: (settings.alpha - MARGIN).max(0.0),
         alpha: settings.alpha,
     };
-    let (mut order, mut figures, mut alternatives) = (Vec::new(), None, Vec::new());
-    for strategy in [Strategy::Paper, Strategy::Lean, Strategy::Lanes] {
-        let chosen = strategy == settings.strategy;
-        let outcome = work.outcome(strategy, &lines);
-        if chosen {
-            order.clone_from(&outcome.order);
-            figures = Some(outcome.figures);
-            if strategy == Strategy::Lanes {
-                lines.extend(outcome.extra);
-            }
-        } else {
-            alternatives.push(outcome.figures);
-        }
-    }
-    mark(&mut lines, &order);
-    let figures = figures.unwrap_or(PlanFigures {
-        strategy: settings.strategy,
-        lines: 0,
-        length: 0.0,
-        hidden_disc: 0.0,
-    });
+    let chosen = work.outcome(settings.strategy, &lines);
+    let others = [Strategy::Paper, Strategy::Lean, Strategy::Lanes];
+    let alternatives = others
+        .into_iter()
+        .filter(|&other| with_others && other != settings.strategy)
+        .map(|other| work.outcome(other, &lines).figures)
+        .collect();
+    lines.extend(chosen.extra);
+    mark(&mut lines, &chosen.order);
     Plan {
         alpha: settings.alpha,
         lines,
-        order,
-        figures,
+        order: chosen.order,
+        figures: chosen.figures,
         alternatives,
     }
 }

@@ -1,6 +1,6 @@
 //! Circular parts: diameters of a full circle, radii of a piece of one (paper III.E, figure 10).
 
-use super::paper::{Entries, Entry};
+use super::entries::{Entries, Entry};
 use crate::geometry::{Piece, Point, angle};
 use crate::mapping::map::{LineReason, Part, PartClass};
 use rand::Rng;
@@ -46,7 +46,7 @@ fn diameters(
             && turns
                 .iter()
                 .any(|other| (turn - angle::PI - other).abs() < 1e-9);
-        entries.enter(Entry {
+        entries.enter(&Entry {
             part: index,
             vertex,
             start: center + away,
@@ -80,7 +80,7 @@ fn radii(entries: &mut Entries<'_>, index: usize, part: &Part, center: Point, al
         let last = if sweep > 0.0 { start + sweep } else { start };
         for k in 0..=count {
             let from = own + angle::unit(last - (k as f64 * step).min(size)) * radius;
-            entries.enter(Entry {
+            entries.enter(&Entry {
                 part: index,
                 vertex,
                 start: from,

@@ -19,6 +19,8 @@ const MOST: usize = 6000;
 const COARSE_GUARD: f64 = 0.010;
 /// The same on the fine raster.
 const FINE_GUARD: f64 = 0.003;
+/// Discs below this left by the whole plan are not looked into further, metres: corners leave them.
+const SLIVER: f64 = 0.03;
 /// Rounds of serving single places.
 const ROUNDS: usize = 4;
 /// Lines weighed for one place.
@@ -55,6 +57,9 @@ pub(super) fn choose<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a Plan
 /// these sweep too.
 pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a PlanLine> {
     let candidates = candidates(work, lines);
+    if candidates.len() <= 256 {
+        return candidates.iter().map(|candidate| candidate.line).collect();
+    }
     let mut need = Need::new(work.floor, &work.lap, 0.0, 2);
     // A few hundred lines far apart sweep nearly everything; the rest is looked for in places.
     let stride = (candidates.len() / 512).max(1);
@@ -64,7 +69,7 @@ pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a P
         .collect();
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        for spot in covered(work, &candidates, &chosen).spots(work.floor, 0.01) {
+        for spot in covered(work, &candidates, &chosen).spots(work.floor, SLIVER) {
             let near = nearest(&candidates, spot.at);
             if let Some((k, off)) = near
                 && off < work.floor.reach + 0.4 * spot.diameter

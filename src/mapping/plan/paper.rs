@@ -1,16 +1,14 @@
 //! The paper's plan to the letter: every vertex to every opposite edge, an end point every α.
 
-use super::{circle, drive};
+use super::circle;
+use super::entries::{Entries, Entry};
 use crate::geometry::visibility::Sight;
 use crate::geometry::{Piece, Point, angle, ring};
 use crate::mapping::floor::Floor;
-use crate::mapping::map::{LineReason, LineStatus, Part, PartClass, PlanLine, Shape};
+use crate::mapping::map::{LineReason, Part, PartClass, PlanLine, Shape};
 
 /// Arcs of polygonal parts are judged by chords within this, metres.
 const SAGITTA: f64 = 0.001;
-/// Lines that leave the area, and duplicates, are kept for the record up to this many each: real
-/// flats have half a million of them, and nobody reads those.
-const MOST_REJECTED: usize = 4000;
 /// Places nearer than this are one and the same, metres.
 const SAME: f64 = 1e-9;
 
@@ -18,13 +16,7 @@ const SAME: f64 = 1e-9;
 /// from 1. `seed` picks the first diameter of a circle.
 #[must_use]
 pub fn lines(floor: &Floor, shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLine> {
-    let mut entries = Entries {
-        floor,
-        lines: Vec::new(),
-        along_cuts: Vec::new(),
-        leaving: 0,
-        duplicate: 0,
-    };
+    let mut entries = Entries::new(floor);
     for (index, part) in shape.parts.iter().enumerate() {
         match (part.class, part.circle) {
             (PartClass::Circle | PartClass::Semicircle | PartClass::Sector, Some(_)) => {
@@ -33,90 +25,7 @@ pub fn lines(floor: &Floor, shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLin
             _ => Fan::new(index, part, alpha).lines(&mut entries),
         }
     }
-    entries.lines
-}
-
-/// The entries so far.
-pub(super) struct Entries<'a> {
-    pub(super) floor: &'a Floor,
-    lines: Vec<PlanLine>,
-    /// Ends of lines along cuts: the part on the other side has the same line.
-    along_cuts: Vec<(Point, Point)>,
-    leaving: usize,
-    duplicate: usize,
-}
-
-/// A line about to be entered.
-pub(super) struct Entry {
-    pub(super) part: usize,
-    pub(super) vertex: usize,
-    pub(super) start: Point,
-    pub(super) end: Point,
-    pub(super) angle: f64,
-    pub(super) reason: Option<LineReason>,
-}
-
-impl Entries<'_> {
-    /// Enters a line; a sound one whose body fits nowhere is rejected for that.
-    pub(super) fn enter(&mut self, entry: Entry) {
-        let common = match entry.reason {
-            Some(LineReason::LeavesArea) => Some(&mut self.leaving),
-            Some(LineReason::Duplicate) => Some(&mut self.duplicate),
-            _ => None,
-        };
-        if let Some(count) = common {
-            *count += 1;
-            if *count > MOST_REJECTED {
-                return;
-            }
-        }
-        let drive = if entry.reason.is_none() {
-            drive::piece(self.floor, entry.start, entry.end)
-        } else {
-            None
-        };
-        let reason = match (entry.reason, drive) {
-            (None, None) => Some(self.why_not(entry.start, entry.end)),
-            (reason, _) => reason,
-        };
-        self.lines.push(PlanLine {
-            id: self.lines.len() as u32 + 1,
-            part: entry.part,
-            vertex: entry.vertex,
-            start: entry.start,
-            end: entry.end,
-            angle: entry.angle,
-            drive,
-            status: match reason {
-                None => LineStatus::Planned,
-                Some(LineReason::CoveredByObjects) => LineStatus::Skipped,
-                Some(_) => LineStatus::Rejected,
-            },
-            reason,
-        });
-    }
-
-    fn why_not(&self, start: Point, end: Point) -> LineReason {
-        let middle = nalgebra::center(&start, &end);
-        if self.floor.object_clearance(middle) < self.floor.radius {
-            LineReason::CoveredByObjects
-        } else {
-            LineReason::NoClearance
-        }
-    }
-
-    /// Whether the line along a cut was entered from the other side; remembers it if not.
-    fn crossed_before(&mut self, start: Point, end: Point) -> bool {
-        let same = |a: Point, b: Point| (a - b).norm() < 1e3 * SAME;
-        let known = self
-            .along_cuts
-            .iter()
-            .any(|&(a, b)| (same(a, start) && same(b, end)) || (same(a, end) && same(b, start)));
-        if !known {
-            self.along_cuts.push((start, end));
-        }
-        known
-    }
+    entries.into_lines()
 }
 
 /// The plan of one polygonal part.
@@ -169,7 +78,7 @@ impl<'a> Fan<'a> {
         let count = self.pieces.len();
         let after = (edge + 1) % count;
         let length = self.pieces[edge].length();
-        self.to_vertex(entries, vertex, edge);
+        self.fan_to_vertex(entries, vertex, edge);
         let steps = (length / self.alpha - SAME).ceil().max(1.0) as u32;
         for k in 1..steps {
             let share = f64::from(k) * self.alpha / length;
@@ -184,10 +93,10 @@ impl<'a> Fan<'a> {
             };
             self.enter(entries, vertex, end, reason);
         }
-        self.to_vertex(entries, vertex, after);
+        self.fan_to_vertex(entries, vertex, after);
     }
 
-    fn to_vertex(&mut self, entries: &mut Entries<'_>, vertex: usize, other: usize) {
+    fn fan_to_vertex(&mut self, entries: &mut Entries<'_>, vertex: usize, other: usize) {
         let (from, to) = (self.first[vertex], self.first[other]);
         let end = self.corners[to];
         let (low, high) = (vertex.min(other), vertex.max(other));
@@ -217,7 +126,7 @@ impl<'a> Fan<'a> {
     ) {
         let start = self.corners[self.first[vertex]];
         let boundary = angle::of(self.pieces[vertex].tangent(0.0));
-        entries.enter(Entry {
+        entries.enter(&Entry {
             part: self.part,
             vertex,
             start,
@@ -282,6 +191,7 @@ mod tests {
     use super::*;
     use crate::geometry::Ring;
     use crate::mapping::floor::rooms;
+    use crate::mapping::map::LineStatus;
 
     fn planned(room: &Ring, alpha: f64) -> Vec<PlanLine> {
         let floor = rooms::floor(room, &[]);

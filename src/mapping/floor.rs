@@ -24,9 +24,9 @@ use crate::robot::Chassis;
 /// Arcs are cut into chords within this, metres: far below what a switch can tell.
 const SAGITTA: f64 = 0.0003;
 /// Pitch of the raster, metres, for places up to about 100 m².
-const CELL: f64 = 0.025;
+const CELL: f64 = 0.03;
 /// Cells at most: larger places get a coarser raster, and the same time.
-const MOST_CELLS: f64 = 160_000.0;
+const MOST_CELLS: f64 = 120_000.0;
 /// Pitch of the buckets that hold walls, metres.
 const BUCKET: f64 = 0.25;
 

@@ -19,7 +19,7 @@ pub use supplement::supplement;
 use super::floor::{Coverage, Floor, Unswept};
 use super::map::{LineReason, LineStatus, MappedObject, Plan, PlanFigures, PlanLine, Shape};
 use super::settings::{Settings, Strategy};
-use crate::geometry::{Point, Ring};
+use crate::geometry::{Point, Ring, Segment};
 
 /// The plan stays this much below α, metres, so that the promise survives driving it.
 pub(crate) const MARGIN: f64 = 0.01;
@@ -61,7 +61,6 @@ fn made(request: &PlanRequest<'_>, with_others: bool) -> Plan {
     let work = Work {
         floor: &floor,
         shape: request.shape,
-        driven: &driven,
         lap: Unswept::new(&floor, driven.segments()),
         from: request.from,
         target: (settings.alpha - MARGIN).max(0.0),
@@ -102,8 +101,7 @@ fn mark(lines: &mut [PlanLine], order: &[(u32, bool)]) {
 struct Work<'a> {
     floor: &'a Floor,
     shape: &'a Shape,
-    driven: &'a Coverage,
-    /// What that leaves.
+    /// What was driven so far leaves.
     lap: Unswept<'a>,
     from: Point,
     /// Diameter that no hidden disc may exceed where a line can help it, metres.
@@ -153,11 +151,12 @@ impl Work<'_> {
         length: f64,
         driven: &[&PlanLine],
     ) -> Outcome {
-        let mut coverage = self.driven.clone();
-        for line in driven {
-            drive::cover(self.floor, line, &mut coverage);
-        }
-        let hidden = coverage.largest(self.floor);
+        let pieces: Vec<Segment> = driven
+            .iter()
+            .flat_map(|line| drive::free_pieces(self.floor, line))
+            .map(|(a, b)| Segment::new(a, b))
+            .collect();
+        let hidden = self.lap.and(&pieces).spots(0.0, 1).pop();
         let figures = PlanFigures {
             strategy,
             lines: order.len(),

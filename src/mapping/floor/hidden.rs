@@ -9,7 +9,7 @@
 use super::corner::Corner;
 use super::{Floor, reach};
 use crate::geometry::index::SegmentIndex;
-use crate::geometry::raster::Nearest;
+use crate::geometry::raster::{Grid, Nearest};
 use crate::geometry::{Point, Segment, Vector};
 use std::cell::RefCell;
 
@@ -23,7 +23,7 @@ pub struct HiddenDisc {
 }
 
 /// A maximum is followed up until it is known to this, metres.
-const FINE: f64 = 0.0005;
+const FINE: f64 = 0.001;
 
 /// Cells that differ by less than this are level, metres.
 const LEVEL: f32 = 1e-5;
@@ -73,6 +73,22 @@ impl<'a> Unswept<'a> {
             .zip(&floor.free)
             .map(|(square, &free)| free.min(square.sqrt() - reach))
             .collect();
+        Self {
+            floor,
+            path: SegmentIndex::new(path, 0.25),
+            field,
+            corner: RefCell::new(None),
+        }
+    }
+
+    /// The same with more driven: only where that comes nearer is anything worked out anew.
+    pub(in crate::mapping) fn and(&self, more: &[Segment]) -> Self {
+        let floor = self.floor;
+        let mut field = self.field.clone();
+        for segment in more {
+            lower(&floor.grid, segment, floor.reach, &mut field);
+        }
+        let path = self.path.segments().iter().chain(more).copied().collect();
         Self {
             floor,
             path: SegmentIndex::new(path, 0.25),
@@ -200,6 +216,32 @@ impl<'a> Unswept<'a> {
     }
 }
 
+/// Lowers the radii that the sweep of one more segment cuts. What it cuts hangs together with the
+/// swath itself, so one goes outwards from there until nothing changes any more.
+fn lower(grid: &Grid, segment: &Segment, reach: f64, field: &mut [f32]) {
+    let (mut inner, mut outer) = (0.0, reach + 4.0 * grid.cell);
+    loop {
+        let mut changed = false;
+        grid.stadium_runs(segment, outer, |row, first, last| {
+            for x in first..=last {
+                let value = &mut field[row * grid.width + x];
+                let square = segment.distance_squared(grid.center(x, row));
+                let limit = f64::from(*value) + reach;
+                if limit > 0.0 && square < limit * limit {
+                    *value = (square.sqrt() - reach) as f32;
+                    changed |= square > inner;
+                }
+            }
+        });
+        if !changed {
+            return;
+        }
+        let rim = outer - 2.0 * grid.cell;
+        inner = rim * rim;
+        outer *= 1.6;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{Coverage, rooms};
@@ -290,5 +332,25 @@ mod tests {
         let spots = coverage.spots(&floor, 1.0);
         assert!(spots.iter().any(|s| s.at.y < 2.0) && spots.iter().any(|s| s.at.y > 2.0));
         assert!(spots.windows(2).all(|w| w[0].diameter >= w[1].diameter));
+    }
+
+    #[test]
+    fn adding_lines_to_what_is_known_is_the_same_as_beginning_anew() {
+        let (floor, coverage) = after_lap(&rooms::flat(), 0.145);
+        let more = [
+            ((0.5, 0.5), (3.5, 2.0)),
+            ((6.0, 1.0), (9.5, 1.2)),
+            ((1.0, 5.0), (1.0, 6.0)),
+        ]
+        .map(|(a, b)| Segment::new(Point::new(a.0, a.1), Point::new(b.0, b.1)));
+        let added = Unswept::new(&floor, coverage.segments()).and(&more);
+        let mut all = coverage.segments();
+        all.extend(more);
+        let anew = Unswept::new(&floor, all);
+        for (cell, (a, b)) in added.field.iter().zip(&anew.field).enumerate() {
+            // Where nothing fits, how deep below zero it is does not matter.
+            let off = (a.max(-0.1) - b.max(-0.1)).abs();
+            assert!(off < 1e-4, "{a} and {b} at {}", floor.grid.point(cell));
+        }
     }
 }

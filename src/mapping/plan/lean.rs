@@ -5,7 +5,6 @@
 use super::cover::Need;
 use super::{Work, drive};
 use crate::geometry::{Point, Segment};
-use crate::mapping::floor::{Coverage, Unswept};
 use crate::mapping::map::{LineStatus, PlanLine};
 use std::collections::BinaryHeap;
 
@@ -69,7 +68,11 @@ pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a P
         .collect();
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        for spot in covered(work, &candidates, &chosen).spots(work.floor, SLIVER) {
+        for spot in work
+            .lap
+            .and(&pieces_of(&candidates, &chosen))
+            .spots(SLIVER, usize::MAX)
+        {
             let near = nearest(&candidates, spot.at);
             if let Some((k, off)) = near
                 && off < work.floor.reach + 0.4 * spot.diameter
@@ -171,7 +174,7 @@ fn drop_idle(need: &Need, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>)
 fn repair(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>) {
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        let unswept = Unswept::new(work.floor, covered(work, candidates, chosen).segments());
+        let unswept = work.lap.and(&pieces_of(candidates, chosen));
         let spots = unswept.spots(work.target, usize::MAX);
         if spots.is_empty() {
             return;
@@ -217,12 +220,7 @@ fn nearest(candidates: &[Candidate<'_>], at: Point) -> Option<(usize, f64)> {
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn covered(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &[usize]) -> Coverage {
-    let mut coverage = work.driven.clone();
-    for &k in chosen {
-        for piece in &candidates[k].pieces {
-            coverage.add_line(piece.from, piece.to());
-        }
-    }
-    coverage
+fn pieces_of(candidates: &[Candidate<'_>], chosen: &[usize]) -> Vec<Segment> {
+    let pieces = chosen.iter().flat_map(|&k| candidates[k].pieces.iter());
+    pieces.copied().collect()
 }

@@ -29,7 +29,6 @@ pub fn supplement(
     let work = Work {
         floor,
         shape,
-        driven: coverage,
         lap: Unswept::new(floor, coverage.segments()),
         from: Point::origin(),
         target: (alpha - MARGIN).max(0.0),

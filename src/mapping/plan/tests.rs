@@ -163,15 +163,15 @@ fn what_objects_cut_off_is_served_by_a_supplement() {
         drive::cover(&floor, line, &mut coverage);
     }
     let before = coverage.largest(&floor).unwrap().diameter;
-    assert!(before > 0.3, "{before}");
-    let extra = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.3);
+    assert!(before > 0.26, "{before}");
+    let extra = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.25);
     assert!(!extra.is_empty());
     for line in &extra {
         drive::cover(&floor, line, &mut coverage);
     }
     let after = coverage.largest(&floor).map_or(0.0, |disc| disc.diameter);
-    assert!(after <= 0.295, "{after} left after {} lines", extra.len());
-    let again = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.3);
+    assert!(after <= 0.245, "{after} left after {} lines", extra.len());
+    let again = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.25);
     assert!(again.is_empty(), "{again:?}");
 }
 

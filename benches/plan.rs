@@ -107,17 +107,27 @@ fn settings(alpha: f64) -> Settings {
 }
 
 #[divan::bench(args = [0.5, 0.25, 0.1])]
-fn whole_plan(bencher: divan::Bencher<'_, '_>, alpha: f64) {
+fn lean_plan(bencher: divan::Bencher<'_, '_>, alpha: f64) {
+    with_request(alpha, |request| {
+        bencher.bench_local(|| plan::make_alone(request));
+    });
+}
+
+#[divan::bench(args = [0.5, 0.25, 0.1])]
+fn lean_plan_and_figures_of_the_others(bencher: divan::Bencher<'_, '_>, alpha: f64) {
+    with_request(alpha, |request| {
+        bencher.bench_local(|| plan::make(request));
+    });
+}
+
+fn with_request(alpha: f64, run: impl FnOnce(&PlanRequest<'_>)) {
     let outline = flat();
-    let (shape, lap, settings) = (shape(&outline), lap(&outline), settings(alpha));
-    bencher.bench(|| {
-        plan::make(&PlanRequest {
-            shape: &shape,
-            objects: &[],
-            driven: &lap,
-            from: Point::new(0.5, 0.145),
-            settings: &settings,
-        })
+    run(&PlanRequest {
+        shape: &shape(&outline),
+        objects: &[],
+        driven: &lap(&outline),
+        from: Point::new(0.5, 0.145),
+        settings: &settings(alpha),
     });
 }
 

@@ -3,6 +3,7 @@
 //! it refuses to know phases, plans and how the outlines were found.
 
 mod corner;
+mod coverage;
 mod hidden;
 mod reach;
 mod route;
@@ -10,8 +11,9 @@ mod route;
 #[cfg(test)]
 pub(crate) mod rooms;
 
+pub use coverage::Coverage;
+pub use hidden::HiddenDisc;
 pub(in crate::mapping) use hidden::Unswept;
-pub use hidden::{Coverage, HiddenDisc};
 
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::raster::{Grid, Nearest, inside};
@@ -22,9 +24,9 @@ use crate::robot::Chassis;
 /// Arcs are cut into chords within this, metres: far below what a switch can tell.
 const SAGITTA: f64 = 0.0003;
 /// Pitch of the raster, metres, for places up to about 100 m².
-const CELL: f64 = 0.025;
+const CELL: f64 = 0.03;
 /// Cells at most: larger places get a coarser raster, and the same time.
-const MOST_CELLS: f64 = 160_000.0;
+const MOST_CELLS: f64 = 120_000.0;
 /// Pitch of the buckets that hold walls, metres.
 const BUCKET: f64 = 0.25;
 
@@ -56,7 +58,7 @@ impl Floor {
     /// `from`. Orientation of the outlines does not matter.
     #[must_use]
     pub fn new(boundary: &Ring, objects: &[&Ring], chassis: &Chassis, from: Point) -> Self {
-        let wall_chords = chords(boundary, SAGITTA);
+        let wall_chords = chords(&boundary.clone().counter_clockwise(), SAGITTA);
         let points: Vec<Point> = wall_chords.iter().map(|s| s.from).collect();
         let (low, high) = ring::bounds(&points).unwrap_or((from, from));
         let size = high - low;

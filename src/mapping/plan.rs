@@ -5,6 +5,7 @@
 mod circle;
 mod cover;
 mod drive;
+mod entries;
 mod lanes;
 mod lean;
 mod order;
@@ -18,7 +19,7 @@ pub use supplement::supplement;
 use super::floor::{Coverage, Floor, Unswept};
 use super::map::{LineReason, LineStatus, MappedObject, Plan, PlanFigures, PlanLine, Shape};
 use super::settings::{Settings, Strategy};
-use crate::geometry::{Point, Ring};
+use crate::geometry::{Point, Ring, Segment};
 
 /// The plan stays this much below α, metres, so that the promise survives driving it.
 pub(crate) const MARGIN: f64 = 0.01;
@@ -41,58 +42,44 @@ pub struct PlanRequest<'a> {
 /// Makes the plan of the strategy chosen, and the figures of the others.
 #[must_use]
 pub fn make(request: &PlanRequest<'_>) -> Plan {
-    let settings = request.settings;
-    let rings: Vec<&Ring> = request.objects.iter().map(|o| &o.outline).collect();
-    let floor = Floor::new(
-        &request.shape.outline,
-        &rings,
-        &settings.chassis,
-        request.from,
-    );
-    make_on(&floor, request)
+    made(request, true)
 }
 
-/// [`make`] on a floor that is there already.
+/// Makes the plan of the strategy chosen alone: no alternatives, in a fraction of the time.
 #[must_use]
-pub fn make_on(floor: &Floor, request: &PlanRequest<'_>) -> Plan {
+pub fn make_alone(request: &PlanRequest<'_>) -> Plan {
+    made(request, false)
+}
+
+fn made(request: &PlanRequest<'_>, with_others: bool) -> Plan {
     let settings = request.settings;
-    let mut lines = paper::lines(floor, request.shape, settings.alpha, settings.seed);
+    let rings: Vec<&Ring> = request.objects.iter().map(|o| &o.outline).collect();
+    let outline = &request.shape.outline;
+    let floor = Floor::new(outline, &rings, &settings.chassis, request.from);
+    let mut lines = paper::lines(&floor, request.shape, settings.alpha, settings.seed);
     let driven = Coverage::of(request.driven);
     let work = Work {
-        floor,
+        floor: &floor,
         shape: request.shape,
-        driven: &driven,
-        lap: Unswept::new(floor, driven.segments()),
+        lap: Unswept::new(&floor, driven.segments()),
         from: request.from,
         target: (settings.alpha - MARGIN).max(0.0),
         alpha: settings.alpha,
     };
-    let (mut order, mut figures, mut alternatives) = (Vec::new(), None, Vec::new());
-    for strategy in [Strategy::Paper, Strategy::Lean, Strategy::Lanes] {
-        let chosen = strategy == settings.strategy;
-        let outcome = work.outcome(strategy, &lines);
-        if chosen {
-            order.clone_from(&outcome.order);
-            figures = Some(outcome.figures);
-            if strategy == Strategy::Lanes {
-                lines.extend(outcome.extra);
-            }
-        } else {
-            alternatives.push(outcome.figures);
-        }
-    }
-    mark(&mut lines, &order);
-    let figures = figures.unwrap_or(PlanFigures {
-        strategy: settings.strategy,
-        lines: 0,
-        length: 0.0,
-        hidden_disc: 0.0,
-    });
+    let chosen = work.outcome(settings.strategy, &lines);
+    let others = [Strategy::Paper, Strategy::Lean, Strategy::Lanes];
+    let alternatives = others
+        .into_iter()
+        .filter(|&other| with_others && other != settings.strategy)
+        .map(|other| work.outcome(other, &lines).figures)
+        .collect();
+    lines.extend(chosen.extra);
+    mark(&mut lines, &chosen.order);
     Plan {
         alpha: settings.alpha,
         lines,
-        order,
-        figures,
+        order: chosen.order,
+        figures: chosen.figures,
         alternatives,
     }
 }
@@ -114,8 +101,7 @@ fn mark(lines: &mut [PlanLine], order: &[(u32, bool)]) {
 struct Work<'a> {
     floor: &'a Floor,
     shape: &'a Shape,
-    driven: &'a Coverage,
-    /// What that leaves.
+    /// What was driven so far leaves.
     lap: Unswept<'a>,
     from: Point,
     /// Diameter that no hidden disc may exceed where a line can help it, metres.
@@ -165,11 +151,12 @@ impl Work<'_> {
         length: f64,
         driven: &[&PlanLine],
     ) -> Outcome {
-        let mut coverage = self.driven.clone();
-        for line in driven {
-            drive::cover(self.floor, line, &mut coverage);
-        }
-        let hidden = coverage.largest(self.floor);
+        let pieces: Vec<Segment> = driven
+            .iter()
+            .flat_map(|line| drive::free_pieces(self.floor, line))
+            .map(|(a, b)| Segment::new(a, b))
+            .collect();
+        let hidden = self.lap.and(&pieces).spots(0.0, 1).pop();
         let figures = PlanFigures {
             strategy,
             lines: order.len(),
@@ -185,40 +172,4 @@ impl Work<'_> {
 }
 
 #[cfg(test)]
-mod figures_tmp {
-    use super::*;
-    use crate::mapping::floor::rooms;
-    #[test]
-    fn figures_tmp() {
-        for (name, room) in [
-            ("5x4", rooms::rectangle(5.0, 4.0)),
-            ("ell", rooms::ell()),
-            ("flat", rooms::flat()),
-        ] {
-            for alpha in [0.5, 0.25, 0.1, 0.06] {
-                let shape = rooms::shape(&room);
-                let lap = rooms::lap(&room, 0.145);
-                let mut settings = Settings::new(crate::geometry::Pose::new(0.5, 0.5, 0.0));
-                settings.alpha = alpha;
-                let t = std::time::SystemTime::now();
-                let plan = make(&PlanRequest {
-                    shape: &shape,
-                    objects: &[],
-                    driven: &lap,
-                    from: Point::new(0.5, 0.145),
-                    settings: &settings,
-                });
-                println!(
-                    "{name} {alpha} entries {} planned {} {:?}",
-                    plan.lines.len(),
-                    plan.lines.iter().filter(|l| l.drive.is_some()).count(),
-                    t.elapsed().unwrap()
-                );
-                println!("   {:?}", plan.figures);
-                for a in &plan.alternatives {
-                    println!("   {a:?}");
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -116,18 +116,16 @@ impl Corner {
     }
 }
 
-/// Walls moved inwards by the radius, to either side because outlines come in both orientations
-/// and the wrong side never fits, and circles around their ends.
+/// Walls moved inwards by the radius (the boundary runs counter-clockwise), and circles around
+/// their ends.
 fn curves(walls: &[Segment], radius: f64) -> Vec<Curve> {
-    let mut curves = Vec::with_capacity(3 * walls.len());
+    let mut curves = Vec::with_capacity(2 * walls.len());
     for wall in walls {
-        let aside = crate::geometry::perp(wall.along / wall.length()) * radius;
-        for side in [aside, -aside] {
-            curves.push(Curve::Line(Segment::new(
-                wall.from + side,
-                wall.to() + side,
-            )));
-        }
+        let inwards = crate::geometry::perp(wall.along / wall.length()) * radius;
+        curves.push(Curve::Line(Segment::new(
+            wall.from + inwards,
+            wall.to() + inwards,
+        )));
         curves.push(Curve::Circle(wall.from, radius));
     }
     curves

@@ -9,8 +9,8 @@
 use super::corner::Corner;
 use super::{Floor, reach};
 use crate::geometry::index::SegmentIndex;
-use crate::geometry::raster::Nearest;
-use crate::geometry::{Point, Segment, Vector, cross};
+use crate::geometry::raster::{Grid, Nearest};
+use crate::geometry::{Point, Segment, Vector};
 use std::cell::RefCell;
 
 /// The largest disc that may still hide something.
@@ -22,142 +22,11 @@ pub struct HiddenDisc {
     pub at: Point,
 }
 
-/// A path driven is kept as straight segments that stray no more than this from it, metres.
-const STRAIGHT: f64 = 0.001;
 /// A maximum is followed up until it is known to this, metres.
-const FINE: f64 = 0.0005;
+const FINE: f64 = 0.001;
 
 /// Cells that differ by less than this are level, metres.
 const LEVEL: f32 = 1e-5;
-
-/// Where the centre has been: grows as the robot drives.
-#[derive(Debug, Clone, Default)]
-pub struct Coverage {
-    segments: Vec<Segment>,
-    run: Option<Run>,
-}
-
-/// The straight run that the path is on: where it began, where it has come to, and the directions
-/// (a wedge between two vectors) that pass all places in between closely enough.
-#[derive(Debug, Clone, Copy)]
-struct Run {
-    from: Point,
-    to: Point,
-    right: Option<(Vector, Vector)>,
-}
-
-impl Coverage {
-    /// Nothing driven yet.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// What driving along `path` covers.
-    #[must_use]
-    pub fn of(path: &[Point]) -> Self {
-        let mut coverage = Self::new();
-        coverage.add(path);
-        coverage
-    }
-
-    /// Adds a piece of path of its own, not joined to what came before.
-    pub fn add(&mut self, path: &[Point]) {
-        self.lift();
-        for &p in path {
-            self.push(p);
-        }
-    }
-
-    /// Adds the straight way from `a` to `b`.
-    pub fn add_line(&mut self, a: Point, b: Point) {
-        self.lift();
-        self.segments.push(Segment::new(a, b));
-    }
-
-    /// Adds the way from the last place to `p`.
-    pub fn push(&mut self, p: Point) {
-        let Some(run) = self.run else {
-            self.run = Some(Run {
-                from: p,
-                to: p,
-                right: None,
-            });
-            return;
-        };
-        if let Some(longer) = run.extended(p) {
-            self.run = Some(longer);
-            return;
-        }
-        self.segments.push(Segment::new(run.from, run.to));
-        let fresh = Run {
-            from: run.to,
-            to: run.to,
-            right: None,
-        };
-        self.run = Some(fresh.extended(p).unwrap_or(fresh));
-    }
-
-    /// Ends the piece of path: the next place begins a new one.
-    pub fn lift(&mut self) {
-        if let Some(run) = self.run.take() {
-            self.segments.push(Segment::new(run.from, run.to));
-        }
-    }
-
-    /// The path as straight segments.
-    #[must_use]
-    pub fn segments(&self) -> Vec<Segment> {
-        let open = self.run.map(|run| Segment::new(run.from, run.to));
-        self.segments.iter().copied().chain(open).collect()
-    }
-
-    /// The largest disc left on `floor`; none when every place is swept.
-    #[must_use]
-    pub fn largest(&self, floor: &Floor) -> Option<HiddenDisc> {
-        Unswept::new(floor, self.segments()).spots(0.0, 1).pop()
-    }
-
-    /// The largest disc around each place that is left, from `diameter` metres up, largest first.
-    #[must_use]
-    pub fn spots(&self, floor: &Floor, diameter: f64) -> Vec<HiddenDisc> {
-        Unswept::new(floor, self.segments()).spots(diameter, usize::MAX)
-    }
-}
-
-impl Run {
-    /// This run led on to `p`, if one straight line still passes all of its places.
-    fn extended(&self, p: Point) -> Option<Self> {
-        let way = p - self.from;
-        let length = way.norm();
-        if length <= STRAIGHT {
-            let near = (self.to - self.from).norm() <= STRAIGHT;
-            return near.then_some(Self { to: p, ..*self });
-        }
-        // A run never turns back on itself.
-        if (p - self.to).dot(&way) < 0.0 {
-            return None;
-        }
-        let side = crate::geometry::perp(way) * (STRAIGHT / length);
-        let (mut right, mut left) = (way - side, way + side);
-        if let Some((r, l)) = self.right {
-            if cross(r, way) < 0.0 || cross(way, l) < 0.0 {
-                return None;
-            }
-            if cross(right, r) > 0.0 {
-                right = r;
-            }
-            if cross(l, left) > 0.0 {
-                left = l;
-            }
-        }
-        Some(Self {
-            to: p,
-            right: Some((right, left)),
-            ..*self
-        })
-    }
-}
 
 /// Sixteen directions, evenly spread.
 pub(super) const DIRECTIONS: [Vector; 16] = {
@@ -204,6 +73,22 @@ impl<'a> Unswept<'a> {
             .zip(&floor.free)
             .map(|(square, &free)| free.min(square.sqrt() - reach))
             .collect();
+        Self {
+            floor,
+            path: SegmentIndex::new(path, 0.25),
+            field,
+            corner: RefCell::new(None),
+        }
+    }
+
+    /// The same with more driven: only where that comes nearer is anything worked out anew.
+    pub(in crate::mapping) fn and(&self, more: &[Segment]) -> Self {
+        let floor = self.floor;
+        let mut field = self.field.clone();
+        for segment in more {
+            lower(&floor.grid, segment, floor.reach, &mut field);
+        }
+        let path = self.path.segments().iter().chain(more).copied().collect();
         Self {
             floor,
             path: SegmentIndex::new(path, 0.25),
@@ -259,7 +144,13 @@ impl<'a> Unswept<'a> {
             if found.len() >= most && found.last().is_some_and(|d| d.diameter >= bound) {
                 break;
             }
-            let disc = self.climb(self.floor.grid.point(cell));
+            let needed = found.last().map_or(least, |d| d.diameter / 2.0);
+            let needed = if found.len() < most {
+                diameter / 2.0
+            } else {
+                needed
+            };
+            let disc = self.climb(self.floor.grid.point(cell), needed);
             let known = |other: &HiddenDisc| (other.at - disc.at).norm() < self.floor.grid.cell;
             if disc.diameter >= diameter.max(2.0 * FINE) && !found.iter().any(known) {
                 found.push(disc);
@@ -292,22 +183,30 @@ impl<'a> Unswept<'a> {
         floor.wall[cell] > -(floor.grid.cell as f32) && floor.touches_near(floor.grid.point(cell))
     }
 
-    /// Uphill from `from` in ever smaller steps.
-    fn climb(&self, from: Point) -> HiddenDisc {
+    /// Uphill from `from` in ever smaller steps; given up where it will not come to `needed`.
+    fn climb(&self, from: Point, needed: f64) -> HiddenDisc {
         let (mut at, mut here) = (from, self.radius(from));
         let mut step = 0.7 * self.floor.grid.cell;
+        let mut odd = 0;
         while step > FINE / 2.0 {
             let mut best: Option<(Point, f64)> = None;
-            for direction in DIRECTIONS {
+            // Half of the directions at a time, the others next.
+            for direction in DIRECTIONS.into_iter().skip(odd).step_by(2) {
                 let next = at + direction * step;
                 let radius = self.radius(next);
                 if radius > best.map_or(here, |(_, most)| most) {
                     best = Some((next, radius));
                 }
             }
-            match best {
-                Some(next) => (at, here) = next,
-                None => step *= 0.5,
+            odd = 1 - odd;
+            if let Some(next) = best {
+                (at, here) = next;
+            } else {
+                step *= 0.5;
+                // The radius rises by no more than the way gone, and the top is about a step away.
+                if here + 3.0 * step < needed {
+                    break;
+                }
             }
         }
         HiddenDisc {
@@ -317,9 +216,35 @@ impl<'a> Unswept<'a> {
     }
 }
 
+/// Lowers the radii that the sweep of one more segment cuts. What it cuts hangs together with the
+/// swath itself, so one goes outwards from there until nothing changes any more.
+fn lower(grid: &Grid, segment: &Segment, reach: f64, field: &mut [f32]) {
+    let (mut inner, mut outer) = (0.0, reach + 4.0 * grid.cell);
+    loop {
+        let mut changed = false;
+        grid.stadium_runs(segment, outer, |row, first, last| {
+            for x in first..=last {
+                let value = &mut field[row * grid.width + x];
+                let square = segment.distance_squared(grid.center(x, row));
+                let limit = f64::from(*value) + reach;
+                if limit > 0.0 && square < limit * limit {
+                    *value = (square.sqrt() - reach) as f32;
+                    changed |= square > inner;
+                }
+            }
+        });
+        if !changed {
+            return;
+        }
+        let rim = outer - 2.0 * grid.cell;
+        inner = rim * rim;
+        outer *= 1.6;
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::rooms;
+    use super::super::{Coverage, rooms};
     use super::*;
     use crate::geometry::angle;
 
@@ -410,22 +335,22 @@ mod tests {
     }
 
     #[test]
-    fn a_path_of_many_places_is_kept_as_few_segments_close_to_it() {
-        let path: Vec<Point> = (0..2000)
-            .map(|k| {
-                let turn = f64::from(k) * 0.001;
-                Point::new(1.0, 1.0) + angle::unit(turn) * 0.8
-            })
-            .collect();
-        let kept = Coverage::of(&path).segments();
-        assert!(kept.len() < 40, "{} segments", kept.len());
-        for p in path {
-            let off = kept
-                .iter()
-                .map(|s| s.distance_squared(p))
-                .fold(1.0, f64::min)
-                .sqrt();
-            assert!(off <= 1.5 * STRAIGHT, "{off} m off the path");
+    fn adding_lines_to_what_is_known_is_the_same_as_beginning_anew() {
+        let (floor, coverage) = after_lap(&rooms::flat(), 0.145);
+        let more = [
+            ((0.5, 0.5), (3.5, 2.0)),
+            ((6.0, 1.0), (9.5, 1.2)),
+            ((1.0, 5.0), (1.0, 6.0)),
+        ]
+        .map(|(a, b)| Segment::new(Point::new(a.0, a.1), Point::new(b.0, b.1)));
+        let added = Unswept::new(&floor, coverage.segments()).and(&more);
+        let mut all = coverage.segments();
+        all.extend(more);
+        let anew = Unswept::new(&floor, all);
+        for (cell, (a, b)) in added.field.iter().zip(&anew.field).enumerate() {
+            // Where nothing fits, how deep below zero it is does not matter.
+            let off = (a.max(-0.1) - b.max(-0.1)).abs();
+            assert!(off < 1e-4, "{a} and {b} at {}", floor.grid.point(cell));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Circular parts: diameters of a full circle, radii of a piece of one (paper III.E, figure 10).
 
-use super::paper::{Entries, Entry};
+use super::entries::{Entries, Entry};
 use crate::geometry::{Piece, Point, angle};
 use crate::mapping::map::{LineReason, Part, PartClass};
 use rand::Rng;
@@ -46,7 +46,7 @@ fn diameters(
             && turns
                 .iter()
                 .any(|other| (turn - angle::PI - other).abs() < 1e-9);
-        entries.enter(Entry {
+        entries.enter(&Entry {
             part: index,
             vertex,
             start: center + away,
@@ -80,7 +80,7 @@ fn radii(entries: &mut Entries<'_>, index: usize, part: &Part, center: Point, al
         let last = if sweep > 0.0 { start + sweep } else { start };
         for k in 0..=count {
             let from = own + angle::unit(last - (k as f64 * step).min(size)) * radius;
-            entries.enter(Entry {
+            entries.enter(&Entry {
                 part: index,
                 vertex,
                 start: from,
@@ -110,4 +110,96 @@ fn reason(entries: &Entries<'_>, part: &Part, from: Point, center: Point) -> Opt
         .floor
         .is_clear(inner, from + (center - from) * 0.98, 1e-3);
     (!(room && clear)).then_some(LineReason::LeavesArea)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::geometry::{Piece, Point, Ring, angle};
+    use crate::mapping::floor::rooms;
+    use crate::mapping::map::{LineReason, PartClass, PlanLine, Shape};
+    use crate::mapping::plan::paper;
+
+    fn plan(shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLine> {
+        paper(&rooms::floor(&shape.outline, &[]), shape, alpha, seed)
+    }
+
+    fn round(class: PartClass, ring: &Ring, center: Point, radius: f64) -> Shape {
+        let mut shape = rooms::shape(ring);
+        shape.parts[0].class = class;
+        shape.parts[0].circle = Some((center, radius));
+        shape
+    }
+
+    #[test]
+    fn a_circle_is_planned_by_diameters_clockwise_until_a_point_comes_again() {
+        let center = Point::new(2.0, 2.0);
+        let shape = round(PartClass::Circle, &Ring::circle(center, 2.0), center, 2.0);
+        let lines = plan(&shape, 0.5, 1);
+        // 2π 2 / 0.5 = 25.1: 26 points, the last arc short.
+        assert_eq!(lines.len(), 26);
+        for pair in lines.windows(2) {
+            let turn = |line: &PlanLine| angle::of(line.start - center);
+            let arc = angle::wrap(turn(&pair[0]) - turn(&pair[1])) * 2.0;
+            assert!((arc - 0.5).abs() < 1e-9, "an arc of {arc} m clockwise");
+        }
+        for line in &lines {
+            assert!((nalgebra::center(&line.start, &line.end) - center).norm() < 1e-9);
+            let (from, to) = line.drive.unwrap();
+            assert!(
+                ((to - from).norm() - (4.0 - 0.29)).abs() < 0.01,
+                "{from} to {to}"
+            );
+        }
+        let other = plan(&shape, 0.5, 2);
+        assert_ne!(
+            lines[0].start, other[0].start,
+            "the first point follows the seed"
+        );
+        assert_eq!(lines, plan(&shape, 0.5, 1), "the same seed, the same plan");
+    }
+
+    #[test]
+    fn diameters_that_come_again_from_their_far_end_are_duplicates() {
+        let center = Point::new(2.0, 2.0);
+        let shape = round(PartClass::Circle, &Ring::circle(center, 2.0), center, 2.0);
+        let lines = plan(&shape, angle::TAU * 2.0 / 12.0, 1);
+        let kept = lines.iter().filter(|line| line.reason.is_none()).count();
+        let again = lines
+            .iter()
+            .filter(|l| l.reason == Some(LineReason::Duplicate))
+            .count();
+        assert_eq!((kept, again), (6, 6));
+    }
+
+    #[test]
+    fn a_semicircle_is_planned_by_radii_and_those_along_its_wall_are_left_out() {
+        let center = Point::new(2.0, 0.0);
+        let ring = Ring {
+            pieces: vec![
+                Piece::Line {
+                    from: Point::new(0.0, 0.0),
+                    to: Point::new(4.0, 0.0),
+                },
+                Piece::Arc {
+                    center,
+                    radius: 2.0,
+                    start: 0.0,
+                    sweep: angle::PI,
+                },
+            ],
+        };
+        let mut shape = round(PartClass::Semicircle, &ring, center, 2.0);
+        // π 2 / 0.5 = 12.6: 14 radii, the two along the diameter on the wall.
+        let lines = plan(&shape, 0.5, 1);
+        let along = |lines: &[PlanLine]| {
+            lines
+                .iter()
+                .filter(|l| l.reason == Some(LineReason::AlongBoundary))
+                .count()
+        };
+        assert_eq!((lines.len(), along(&lines)), (14, 2));
+        assert!(lines.iter().all(|line| line.end == center));
+        shape.parts[0].cut = vec![true, false];
+        assert_eq!(along(&plan(&shape, 0.5, 1)), 0, "along a cut they stay");
+    }
 }

@@ -8,7 +8,7 @@ use crate::geometry::{Piece, Point, Segment, Vector, angle, perp};
 use crate::mapping::map::{LineStatus, PlanLine};
 
 /// Kept in hand for what lies between the raster's places, metres.
-const GUARD: f64 = 0.008;
+const GUARD: f64 = 0.013;
 /// Offsets tried for a lane, as shares of the farthest that still serves.
 const OFFSETS: [f64; 9] = [0.99, 0.85, 0.7, 0.5, 0.3, 0.0, -0.3, -0.6, -0.9];
 

@@ -5,7 +5,6 @@
 use super::cover::Need;
 use super::{Work, drive};
 use crate::geometry::{Point, Segment};
-use crate::mapping::floor::{Coverage, Unswept};
 use crate::mapping::map::{LineStatus, PlanLine};
 use std::collections::BinaryHeap;
 
@@ -13,10 +12,14 @@ use std::collections::BinaryHeap;
 const APPROACH: f64 = 1.0;
 /// The first choice is among end points at least this far apart, metres.
 const APART: f64 = 0.2;
+/// The first choice is among this many lines at most.
+const MOST: usize = 6000;
 /// On the coarse raster a place stands for its surroundings: this much is kept in hand, metres.
 const COARSE_GUARD: f64 = 0.010;
 /// The same on the fine raster.
 const FINE_GUARD: f64 = 0.003;
+/// Discs below this left by the whole plan are not looked into further, metres: corners leave them.
+const SLIVER: f64 = 0.03;
 /// Rounds of serving single places.
 const ROUNDS: usize = 4;
 /// Lines weighed for one place.
@@ -53,6 +56,9 @@ pub(super) fn choose<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a Plan
 /// these sweep too.
 pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a PlanLine> {
     let candidates = candidates(work, lines);
+    if candidates.len() <= 256 {
+        return candidates.iter().map(|candidate| candidate.line).collect();
+    }
     let mut need = Need::new(work.floor, &work.lap, 0.0, 2);
     // A few hundred lines far apart sweep nearly everything; the rest is looked for in places.
     let stride = (candidates.len() / 512).max(1);
@@ -62,7 +68,11 @@ pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a P
         .collect();
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        for spot in covered(work, &candidates, &chosen).spots(work.floor, 0.01) {
+        for spot in work
+            .lap
+            .and(&pieces_of(&candidates, &chosen))
+            .spots(SLIVER, usize::MAX)
+        {
             let near = nearest(&candidates, spot.at);
             if let Some((k, off)) = near
                 && off < work.floor.reach + 0.4 * spot.diameter
@@ -99,7 +109,8 @@ fn candidates<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<Candidate<'a>> 
 
 /// Every few end points of each vertex, when α puts them closer together than a choice needs.
 fn thinned(candidates: &[Candidate<'_>], alpha: f64) -> Vec<usize> {
-    let stride = (APART / alpha).floor().max(1.0) as usize;
+    let near = (APART / alpha).floor().max(1.0) as usize;
+    let stride = near.max(candidates.len().div_ceil(MOST));
     (0..candidates.len()).filter(|k| k % stride == 0).collect()
 }
 
@@ -163,7 +174,7 @@ fn drop_idle(need: &Need, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>)
 fn repair(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &mut Vec<usize>) {
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        let unswept = Unswept::new(work.floor, covered(work, candidates, chosen).segments());
+        let unswept = work.lap.and(&pieces_of(candidates, chosen));
         let spots = unswept.spots(work.target, usize::MAX);
         if spots.is_empty() {
             return;
@@ -209,12 +220,7 @@ fn nearest(candidates: &[Candidate<'_>], at: Point) -> Option<(usize, f64)> {
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn covered(work: &Work<'_>, candidates: &[Candidate<'_>], chosen: &[usize]) -> Coverage {
-    let mut coverage = work.driven.clone();
-    for &k in chosen {
-        for piece in &candidates[k].pieces {
-            coverage.add_line(piece.from, piece.to());
-        }
-    }
-    coverage
+fn pieces_of(candidates: &[Candidate<'_>], chosen: &[usize]) -> Vec<Segment> {
+    let pieces = chosen.iter().flat_map(|&k| candidates[k].pieces.iter());
+    pieces.copied().collect()
 }

@@ -1,16 +1,14 @@
 //! The paper's plan to the letter: every vertex to every opposite edge, an end point every α.
 
-use super::{circle, drive};
+use super::circle;
+use super::entries::{Entries, Entry};
 use crate::geometry::visibility::Sight;
 use crate::geometry::{Piece, Point, angle, ring};
 use crate::mapping::floor::Floor;
-use crate::mapping::map::{LineReason, LineStatus, Part, PartClass, PlanLine, Shape};
+use crate::mapping::map::{LineReason, Part, PartClass, PlanLine, Shape};
 
 /// Arcs of polygonal parts are judged by chords within this, metres.
 const SAGITTA: f64 = 0.001;
-/// Lines that leave the area are kept for the record up to this many; real flats have half a
-/// million of them, and nobody reads those.
-const MOST_REJECTED: usize = 4000;
 /// Places nearer than this are one and the same, metres.
 const SAME: f64 = 1e-9;
 
@@ -18,12 +16,7 @@ const SAME: f64 = 1e-9;
 /// from 1. `seed` picks the first diameter of a circle.
 #[must_use]
 pub fn lines(floor: &Floor, shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLine> {
-    let mut entries = Entries {
-        floor,
-        lines: Vec::new(),
-        along_cuts: Vec::new(),
-        left: 0,
-    };
+    let mut entries = Entries::new(floor);
     for (index, part) in shape.parts.iter().enumerate() {
         match (part.class, part.circle) {
             (PartClass::Circle | PartClass::Semicircle | PartClass::Sector, Some(_)) => {
@@ -32,84 +25,7 @@ pub fn lines(floor: &Floor, shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLin
             _ => Fan::new(index, part, alpha).lines(&mut entries),
         }
     }
-    entries.lines
-}
-
-/// The entries so far.
-pub(super) struct Entries<'a> {
-    pub(super) floor: &'a Floor,
-    lines: Vec<PlanLine>,
-    /// Ends of lines along cuts: the part on the other side has the same line.
-    along_cuts: Vec<(Point, Point)>,
-    left: usize,
-}
-
-/// A line about to be entered.
-pub(super) struct Entry {
-    pub(super) part: usize,
-    pub(super) vertex: usize,
-    pub(super) start: Point,
-    pub(super) end: Point,
-    pub(super) angle: f64,
-    pub(super) reason: Option<LineReason>,
-}
-
-impl Entries<'_> {
-    /// Enters a line; a sound one whose body fits nowhere is rejected for that.
-    pub(super) fn enter(&mut self, entry: Entry) {
-        if entry.reason == Some(LineReason::LeavesArea) {
-            self.left += 1;
-            if self.left > MOST_REJECTED {
-                return;
-            }
-        }
-        let drive = if entry.reason.is_none() {
-            drive::piece(self.floor, entry.start, entry.end)
-        } else {
-            None
-        };
-        let reason = match (entry.reason, drive) {
-            (None, None) => Some(self.why_not(entry.start, entry.end)),
-            (reason, _) => reason,
-        };
-        self.lines.push(PlanLine {
-            id: self.lines.len() as u32 + 1,
-            part: entry.part,
-            vertex: entry.vertex,
-            start: entry.start,
-            end: entry.end,
-            angle: entry.angle,
-            drive,
-            status: match reason {
-                None => LineStatus::Planned,
-                Some(LineReason::CoveredByObjects) => LineStatus::Skipped,
-                Some(_) => LineStatus::Rejected,
-            },
-            reason,
-        });
-    }
-
-    fn why_not(&self, start: Point, end: Point) -> LineReason {
-        let middle = nalgebra::center(&start, &end);
-        if self.floor.object_clearance(middle) < self.floor.radius {
-            LineReason::CoveredByObjects
-        } else {
-            LineReason::NoClearance
-        }
-    }
-
-    /// Whether the line along a cut was entered from the other side; remembers it if not.
-    fn crossed_before(&mut self, start: Point, end: Point) -> bool {
-        let same = |a: Point, b: Point| (a - b).norm() < 1e3 * SAME;
-        let known = self
-            .along_cuts
-            .iter()
-            .any(|&(a, b)| (same(a, start) && same(b, end)) || (same(a, end) && same(b, start)));
-        if !known {
-            self.along_cuts.push((start, end));
-        }
-        known
-    }
+    entries.into_lines()
 }
 
 /// The plan of one polygonal part.
@@ -162,7 +78,7 @@ impl<'a> Fan<'a> {
         let count = self.pieces.len();
         let after = (edge + 1) % count;
         let length = self.pieces[edge].length();
-        self.to_vertex(entries, vertex, edge);
+        self.fan_to_vertex(entries, vertex, edge);
         let steps = (length / self.alpha - SAME).ceil().max(1.0) as u32;
         for k in 1..steps {
             let share = f64::from(k) * self.alpha / length;
@@ -177,10 +93,10 @@ impl<'a> Fan<'a> {
             };
             self.enter(entries, vertex, end, reason);
         }
-        self.to_vertex(entries, vertex, after);
+        self.fan_to_vertex(entries, vertex, after);
     }
 
-    fn to_vertex(&mut self, entries: &mut Entries<'_>, vertex: usize, other: usize) {
+    fn fan_to_vertex(&mut self, entries: &mut Entries<'_>, vertex: usize, other: usize) {
         let (from, to) = (self.first[vertex], self.first[other]);
         let end = self.corners[to];
         let (low, high) = (vertex.min(other), vertex.max(other));
@@ -210,7 +126,7 @@ impl<'a> Fan<'a> {
     ) {
         let start = self.corners[self.first[vertex]];
         let boundary = angle::of(self.pieces[vertex].tangent(0.0));
-        entries.enter(Entry {
+        entries.enter(&Entry {
             part: self.part,
             vertex,
             start,
@@ -267,5 +183,135 @@ fn chords_of(piece: &Piece) -> u32 {
     match *piece {
         Piece::Line { .. } => 1,
         Piece::Arc { radius, sweep, .. } => ring::chord_count(radius, sweep, SAGITTA),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Ring;
+    use crate::mapping::floor::rooms;
+    use crate::mapping::map::LineStatus;
+
+    fn planned(room: &Ring, alpha: f64) -> Vec<PlanLine> {
+        let floor = rooms::floor(room, &[]);
+        lines(&floor, &rooms::shape(room), alpha, 1)
+    }
+
+    fn count(lines: &[PlanLine], reason: Option<LineReason>) -> usize {
+        lines.iter().filter(|line| line.reason == reason).count()
+    }
+
+    #[test]
+    fn a_square_at_half_its_side_has_the_lines_counted_by_hand() {
+        // Each of 4 vertices has 2 opposite edges with 3 end points: 24 entries. Per vertex two
+        // lie along walls, two go to middles, two go to the far corner. Kept: 8 middles and the 2
+        // diagonals; of the 8 entries for diagonals 6 are duplicates.
+        let lines = planned(&rooms::rectangle(1.0, 1.0), 0.5);
+        assert_eq!(lines.len(), 24);
+        assert_eq!(count(&lines, None), 10);
+        assert_eq!(count(&lines, Some(LineReason::AlongBoundary)), 8);
+        assert_eq!(count(&lines, Some(LineReason::Duplicate)), 6);
+        assert!(lines.iter().zip(1..).all(|(line, id)| line.id == id));
+    }
+
+    #[test]
+    fn a_triangle_has_one_opposite_edge_a_vertex_and_its_last_line_is_short() {
+        // Sides 3, 4 and 5 at α = 0.7: 4, 5 and 7 end points between the ends of the edges
+        // opposite, and both ends, which lie along walls.
+        let triangle = rooms::polygon(&[(0.0, 0.0), (4.0, 0.0), (0.0, 3.0)]);
+        let lines = planned(&triangle, 0.7);
+        let narrow = count(&lines, Some(LineReason::NoClearance));
+        assert_eq!(count(&lines, None) + narrow, 4 + 5 + 7);
+        assert_eq!(narrow, 1, "beside the wall of 3 m, 80 mm off at its end");
+        assert_eq!(count(&lines, Some(LineReason::AlongBoundary)), 6);
+        let fan: Vec<&PlanLine> = lines.iter().filter(|line| line.vertex == 0).collect();
+        let last = fan
+            .windows(2)
+            .map(|w| (w[1].end - w[0].end).norm())
+            .last()
+            .unwrap();
+        assert!(
+            (last - (5.0 - 7.0 * 0.7)).abs() < 1e-9,
+            "the last step is {last} m"
+        );
+    }
+
+    #[test]
+    fn the_angle_is_anti_clockwise_from_the_outgoing_edge_and_rises_within_a_fan() {
+        let lines = planned(&rooms::rectangle(5.0, 4.0), 0.5);
+        for line in &lines {
+            let inner = angle::FRAC_PI_2;
+            assert!(line.angle <= inner + 1e-9, "{line:?}");
+        }
+        let middle = lines
+            .iter()
+            .find(|l| l.vertex == 0 && l.end == Point::new(5.0, 0.5));
+        let want = angle::atan2(0.5, 5.0);
+        assert!((middle.unwrap().angle - want).abs() < 1e-12);
+        for fan in lines.chunk_by(|a, b| a.vertex == b.vertex) {
+            assert!(fan.windows(2).all(|w| w[0].angle <= w[1].angle + 1e-9));
+        }
+    }
+
+    #[test]
+    fn in_an_ell_the_lines_across_the_notch_leave_the_area() {
+        let lines = planned(&rooms::ell(), 0.5);
+        let (a, b) = (Point::new(4.0, 1.5), Point::new(2.0, 3.0));
+        let across = lines.iter().find(|l| l.start == a && l.end == b).unwrap();
+        assert_eq!(across.reason, Some(LineReason::LeavesArea));
+        assert_eq!(across.status, LineStatus::Rejected);
+        // From (0, 1.5) to (4, 1.5) a line would just touch the notch's wall: it stays. From the
+        // vertex (4, 1.5) along that wall and on across the room it is no boundary line either.
+        let grazing = lines
+            .iter()
+            .find(|l| l.start == a && l.end == Point::new(0.0, 1.5));
+        assert_eq!(grazing.unwrap().reason, None);
+    }
+
+    #[test]
+    fn lines_along_a_cut_stay_once() {
+        let (left, right) = (
+            rooms::boxed(0.0, 0.0, 2.0, 2.0),
+            rooms::boxed(2.0, 0.0, 4.0, 2.0),
+        );
+        let mut shape = rooms::shape(&rooms::rectangle(4.0, 2.0));
+        let mut part = shape.parts.remove(0);
+        part.ring = left;
+        part.cut = vec![false, true, false, false];
+        shape.parts.push(part.clone());
+        part.ring = right;
+        part.cut = vec![false, false, false, true];
+        shape.parts.push(part);
+        let floor = rooms::floor(&shape.outline, &[]);
+        let lines = lines(&floor, &shape, 0.5, 1);
+        let along = |line: &&PlanLine| line.start.x == 2.0 && line.end.x == 2.0;
+        let kept = lines
+            .iter()
+            .filter(along)
+            .filter(|line| line.reason.is_none())
+            .count();
+        assert_eq!(kept, 1, "the cut is driven along once");
+        assert!(lines.iter().filter(along).count() >= 4);
+    }
+
+    #[test]
+    fn end_points_lie_no_further_than_alpha_apart_on_every_opposite_edge() {
+        let lines = planned(&rooms::flat(), 0.3);
+        let mut steps = 0;
+        for pair in lines.windows(2) {
+            let same_edge = pair[0].vertex == pair[1].vertex;
+            let step = (pair[1].end - pair[0].end).norm();
+            if same_edge && step > 1e-9 {
+                assert!(
+                    step <= 0.3 + 1e-9,
+                    "{step} m between {} and {}",
+                    pair[0].end,
+                    pair[1].end
+                );
+                steps += 1;
+            }
+        }
+        assert!(steps > 1000, "{steps} steps looked at");
     }
 }

@@ -29,7 +29,6 @@ pub fn supplement(
     let work = Work {
         floor,
         shape,
-        driven: coverage,
         lap: Unswept::new(floor, coverage.segments()),
         from: Point::origin(),
         target: (alpha - MARGIN).max(0.0),
@@ -90,7 +89,9 @@ fn serving(
         spot,
         best: None,
     };
-    for line in lines {
+    // Walking along a line for its free pieces is dear: only those that pass here at all.
+    let passes = |line: &&PlanLine| line.drive.is_some_and(|(a, b)| serves(work, spot, a, b));
+    for line in lines.iter().filter(passes) {
         for (from, to) in drive::free_pieces(work.floor, line) {
             choice.offer(from, to, Some(line.id));
         }

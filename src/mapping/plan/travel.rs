@@ -30,34 +30,66 @@ impl Travel {
         let fine = &floor.grid;
         let block = (PITCH / fine.cell).round().max(1.0) as usize;
         let middle = (block as f64 - 1.0) / 2.0 * fine.cell;
+        let cell = fine.cell * block as f64;
+        // A rim of closed cells all round: no step needs to ask whether it leaves the raster.
+        let shift = crate::geometry::Vector::new(middle - cell, middle - cell);
         let grid = Grid {
-            origin: fine.origin + crate::geometry::Vector::new(middle, middle),
-            cell: fine.cell * block as f64,
-            width: fine.width.div_ceil(block),
-            height: fine.height.div_ceil(block),
+            origin: fine.origin + shift,
+            cell,
+            width: fine.width.div_ceil(block) + 2,
+            height: fine.height.div_ceil(block) + 2,
         };
         let mut open = vec![false; grid.len()];
-        for (cell, &drivable) in floor.drivable.iter().enumerate() {
-            let (x, y) = (cell % fine.width / block, cell / fine.width / block);
-            open[y * grid.width + x] |= drivable;
+        for (row, cells) in floor.drivable.chunks(fine.width).enumerate() {
+            let base = (row / block + 1) * grid.width + 1;
+            for (x, &drivable) in cells.iter().enumerate() {
+                open[base + x / block] |= drivable;
+            }
         }
         Self { grid, open }
     }
 
     /// Steps from `at` to everywhere.
     pub(super) fn from(&self, at: Point) -> From {
-        let mut steps = vec![u32::MAX; self.grid.len()];
+        let width = self.grid.width;
+        // What is added to an index modulo 2^64: steps to the eight cells around.
+        let around = [
+            (1, STRAIGHT),
+            (width, STRAIGHT),
+            (1_usize.wrapping_neg(), STRAIGHT),
+            (width.wrapping_neg(), STRAIGHT),
+            (width + 1, DIAGONAL),
+            (width - 1, DIAGONAL),
+            ((width + 1).wrapping_neg(), DIAGONAL),
+            ((width - 1).wrapping_neg(), DIAGONAL),
+        ];
+        // Closed cells count as reached at once, so that one comparison tells both.
+        let mut steps: Vec<u32> = self
+            .open
+            .iter()
+            .map(|&o| if o { u32::MAX } else { 0 })
+            .collect();
         let mut buckets: [Vec<u32>; 8] = std::array::from_fn(|_| Vec::new());
-        let start = self.grid.index(at);
-        steps[start] = 0;
-        buckets[0].push(start as u32);
-        let (mut now, mut waiting) = (0_u32, 1_usize);
+        let (x, y) = self.grid.locate(at);
+        let inner = |v: usize, most: usize| v.clamp(1, most.saturating_sub(2).max(1));
+        let start = inner(y, self.grid.height) * width + inner(x, width);
+        steps[start] = 1;
+        buckets[1].push(start as u32);
+        let (mut now, mut waiting) = (1_u32, 1_usize);
         while waiting > 0 {
-            let mut due = std::mem::take(&mut buckets[now as usize % 8]);
-            while let Some(cell) = due.pop() {
-                waiting -= 1;
-                if steps[cell as usize] == now {
-                    waiting += self.relax(cell as usize, now, &mut steps, &mut buckets);
+            let due = std::mem::take(&mut buckets[now as usize % 8]);
+            waiting -= due.len();
+            for cell in due {
+                if steps[cell as usize] != now {
+                    continue;
+                }
+                for (offset, cost) in around {
+                    let near = (cell as usize).wrapping_add(offset);
+                    if now + cost < steps[near] {
+                        steps[near] = now + cost;
+                        buckets[(now + cost) as usize % 8].push(near as u32);
+                        waiting += 1;
+                    }
                 }
             }
             now += 1;
@@ -65,40 +97,13 @@ impl Travel {
         From { at, steps }
     }
 
-    fn relax(
-        &self,
-        cell: usize,
-        now: u32,
-        steps: &mut [u32],
-        buckets: &mut [Vec<u32>; 8],
-    ) -> usize {
-        let (x, y) = (cell % self.grid.width, cell / self.grid.width);
-        let mut pushed = 0;
-        for ny in y.saturating_sub(1)..(y + 2).min(self.grid.height) {
-            for nx in x.saturating_sub(1)..(x + 2).min(self.grid.width) {
-                let near = ny * self.grid.width + nx;
-                let cost = if nx != x && ny != y {
-                    DIAGONAL
-                } else {
-                    STRAIGHT
-                };
-                if self.open[near] && now + cost < steps[near] {
-                    steps[near] = now + cost;
-                    buckets[(now + cost) as usize % 8].push(near as u32);
-                    pushed += 1;
-                }
-            }
-        }
-        pushed
-    }
-
     /// Estimated way from there to `to`, metres; infinite when none leads there.
     pub(super) fn length(&self, from: &From, to: Point) -> f64 {
         let straight = (to - from.at).norm();
         match from.steps[self.grid.index(to)] {
-            u32::MAX => f64::INFINITY,
+            0 | u32::MAX => f64::INFINITY,
             steps => {
-                let round = f64::from(steps) / f64::from(STRAIGHT) * self.grid.cell;
+                let round = f64::from(steps - 1) / f64::from(STRAIGHT) * self.grid.cell;
                 straight.max(round * ROUNDABOUT - self.grid.cell)
             }
         }

@@ -1,0 +1,75 @@
+//! The raster beside the slow and obvious way.
+
+use super::*;
+use crate::geometry::Ring;
+use crate::geometry::segment::chords;
+
+fn ell() -> Vec<Segment> {
+    let at = |x: f64, y: f64| Point::new(x, y);
+    chords(
+        &Ring::polygon(&[
+            at(0.0, 0.0),
+            at(4.0, 0.3),
+            at(4.0, 1.5),
+            at(2.0, 1.5),
+            at(2.1, 3.0),
+            at(0.0, 3.0),
+        ]),
+        1e-3,
+    )
+}
+
+#[test]
+fn the_transform_agrees_with_measuring_every_segment_from_every_cell() {
+    let segments = ell();
+    let grid = Grid::over(Point::new(0.0, 0.0), Point::new(4.0, 3.0), 0.037, 0.1);
+    let field = Nearest::new(&grid, &segments);
+    for cell in 0..grid.len() {
+        let at = grid.point(cell);
+        let want = segments
+            .iter()
+            .map(|s| s.distance_squared(at))
+            .fold(f64::INFINITY, f64::min)
+            .sqrt();
+        let got = f64::from(field.squared[cell]).sqrt();
+        assert!((got - want).abs() < 1e-4, "{got} instead of {want} at {at}");
+    }
+}
+
+#[test]
+fn runs_of_a_stadium_are_the_cells_within_its_radius() {
+    let grid = Grid::over(Point::new(0.0, 0.0), Point::new(4.0, 3.0), 0.05, 0.0);
+    let ends = [
+        ((1.0, 1.0), (3.0, 2.0)),
+        ((1.0, 1.0), (3.0, 1.0)),
+        ((2.0, 0.0), (2.0, 4.0)),
+        ((3.0, 0.2), (-1.0, 2.9)),
+        ((1.01, 1.02), (1.01, 1.02)),
+    ];
+    for (a, b) in ends {
+        let segment = Segment::new(Point::new(a.0, a.1), Point::new(b.0, b.1));
+        let mut seen = vec![false; grid.len()];
+        grid.stadium_runs(&segment, 0.28, |row, first, last| {
+            seen[row * grid.width + first..=row * grid.width + last].fill(true);
+        });
+        for (cell, &found) in seen.iter().enumerate() {
+            let off = segment.distance_squared(grid.point(cell)).sqrt() - 0.28;
+            if off.abs() > 1e-9 {
+                assert_eq!(found, off < 0.0, "{a:?} to {b:?}, at {}", grid.point(cell));
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_inside_are_those_the_ring_contains() {
+    let segments = ell();
+    let ring = Ring::polygon(&segments.iter().map(|s| s.from).collect::<Vec<_>>());
+    let grid = Grid::over(Point::new(0.0, 0.0), Point::new(4.0, 3.0), 0.0411, 0.1);
+    for (cell, &marked) in inside(&grid, &segments).iter().enumerate() {
+        let at = grid.point(cell);
+        if ring.distance(at) > 1e-9 {
+            assert_eq!(marked, ring.contains(at), "at {at}");
+        }
+    }
+}

@@ -131,7 +131,7 @@ impl Firmware {
         let now = hardware.odometer();
         let elapsed = now.time_us.saturating_sub(running.begin.time_us) as f64 * 1e-6;
         let (left, most, acceleration) = self.remaining(&running, &now);
-        self.watch(&mut running, hardware, elapsed);
+        Self::watch(&mut running, hardware, elapsed);
         let rest = matches!(running.command.motion, Motion::Rest);
         let complete = !rest && left.abs() < 1e-4 && running.speed.abs() <= acceleration * STEP;
         let hit = matches!(
@@ -211,7 +211,7 @@ impl Firmware {
         }
     }
 
-    fn watch(&self, running: &mut Running, hardware: &impl Hardware, elapsed: f64) {
+    fn watch(running: &mut Running, hardware: &impl Hardware, elapsed: f64) {
         let ahead =
             matches!(running.command.motion, Motion::Move { distance, .. } if distance > 0.0);
         let moves = matches!(running.command.motion, Motion::Move { .. });

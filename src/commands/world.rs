@@ -27,6 +27,10 @@ pub fn built_in(text: &str, common: &Common) -> Result<World, CommandError> {
     )
 }
 
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "map_err hands the error over"
+)]
 fn input(error: crate::simulator::WorldError) -> CommandError {
     CommandError::Input(error.to_string())
 }

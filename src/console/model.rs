@@ -43,6 +43,10 @@ pub enum Overlay {
 
 /// What the map shows besides the walls, the objects and the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each layer is shown or not, independently"
+)]
 pub struct Layers {
     /// Contacts, where the outline is known already.
     pub contacts: bool,

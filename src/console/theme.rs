@@ -213,33 +213,58 @@ fn is_chip(role: Role) -> bool {
 
 fn colour_of(role: Role) -> Option<Color> {
     match role {
-        Role::Text | Role::Muted | Role::Rule | Role::Value | Role::Unknown => None,
-        Role::BarRest | Role::LineRejected | Role::LineSkipped | Role::Start => None,
+        Role::Text
+        | Role::Muted
+        | Role::Rule
+        | Role::Value
+        | Role::Unknown
+        | Role::BarRest
+        | Role::LineRejected
+        | Role::LineSkipped
+        | Role::Start => None,
         Role::Title | Role::Key | Role::Notice | Role::Contact | Role::LineDriving => {
             Some(Color::Cyan)
         }
-        Role::Stale | Role::Hint | Role::Warning | Role::Paused | Role::RobotStale => {
-            Some(Color::Yellow)
-        }
-        Role::Fault | Role::Stopped | Role::Failed | Role::LineBlocked => Some(Color::LightRed),
+        Role::Stale
+        | Role::Hint
+        | Role::Warning
+        | Role::Paused
+        | Role::RobotStale
+        | Role::HiddenDisc => Some(Color::Yellow),
+        Role::Fault
+        | Role::Stopped
+        | Role::Failed
+        | Role::LineBlocked
+        | Role::Active
+        | Role::Beam => Some(Color::LightRed),
         Role::Good | Role::BarDone | Role::Running | Role::Complete | Role::LineDriven => {
             Some(Color::Green)
         }
-        Role::Active | Role::Beam => Some(Color::LightRed),
         Role::Wall => Some(Color::LightCyan),
         Role::Object => Some(Color::LightMagenta),
         Role::Trajectory | Role::Cut | Role::LinePlanned => Some(Color::Blue),
-        Role::HiddenDisc => Some(Color::Yellow),
         Role::Robot => Some(Color::LightYellow),
     }
 }
 
 fn modifier_of(role: Role) -> Modifier {
     match role {
-        Role::Muted | Role::Rule | Role::Unknown | Role::BarRest => Modifier::DIM,
-        Role::LineRejected | Role::LineSkipped | Role::Trajectory => Modifier::DIM,
-        Role::Title | Role::Value | Role::Key | Role::Fault | Role::Active => Modifier::BOLD,
-        Role::Robot | Role::Beam | Role::LineDriving | Role::Wall => Modifier::BOLD,
+        Role::Muted
+        | Role::Rule
+        | Role::Unknown
+        | Role::BarRest
+        | Role::LineRejected
+        | Role::LineSkipped
+        | Role::Trajectory => Modifier::DIM,
+        Role::Title
+        | Role::Value
+        | Role::Key
+        | Role::Fault
+        | Role::Active
+        | Role::Robot
+        | Role::Beam
+        | Role::LineDriving
+        | Role::Wall => Modifier::BOLD,
         Role::Stale => Modifier::ITALIC,
         _ => Modifier::empty(),
     }

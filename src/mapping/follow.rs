@@ -190,15 +190,14 @@ impl Follower {
             return Some(self.back_off());
         }
         match self.doing {
-            Doing::Arrived | Doing::Stepping => self.after_step(wall, rest),
-            Doing::Clearing | Doing::BackingOff => self.face(wall, rest),
+            Doing::Arrived | Doing::Stepping => Some(self.after_step(wall, rest)),
             Doing::Looking => {
                 self.judge_look(wall, rest);
                 self.face(wall, rest)
             }
             Doing::Facing(step) if rest.reason == DoneReason::Complete => Some(self.step(step)),
-            // The turn was cut short: the direction is chosen anew.
-            Doing::Facing(_) => self.face(wall, rest),
+            // A turn that was cut short: the direction is chosen anew.
+            Doing::Clearing | Doing::BackingOff | Doing::Facing(_) => self.face(wall, rest),
         }
     }
 
@@ -214,7 +213,7 @@ impl Follower {
         }
     }
 
-    fn after_step(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
+    fn after_step(&mut self, wall: &Wall, rest: &AtRest) -> Ask {
         let closed_by = match rest.reason {
             DoneReason::Guard {
                 sensor,
@@ -226,7 +225,7 @@ impl Follower {
             self.stride = SHORTEST_STRIDE;
             self.ended = false;
             if Some(sensor) == self.roles.front || Some(sensor) == self.roles.ahead {
-                return Some(self.clear(sensor));
+                return self.clear(sensor);
             }
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {
@@ -240,9 +239,9 @@ impl Follower {
         if let Some(ahead) = self.roles.ahead
             && rest.closed.has(ahead)
         {
-            return Some(self.clear(ahead));
+            return self.clear(ahead);
         }
-        Some(self.look())
+        self.look()
     }
 
     fn turn(&mut self, towards_wall: f64, guard: Guard, doing: Doing, why: &'static str) -> Ask {

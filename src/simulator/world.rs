@@ -246,7 +246,7 @@ mod tests {
     fn a_million_vertices_are_refused_quickly() {
         let mut text = format!("{START}[boundary]\nvertices = [");
         for k in 0..200_000 {
-            text.push_str(&format!("[{k},0],"));
+            text.extend(["[", &k.to_string(), ",0],"]);
         }
         text.push_str("]\n");
         let error = toml(&text).expect_err("too many").to_string();

@@ -67,13 +67,6 @@ pub(super) fn free_pieces(floor: &Floor, line: &PlanLine) -> Vec<(Point, Point)>
         .collect()
 }
 
-/// Adds to `coverage` what driving `line` sweeps.
-pub(super) fn cover(floor: &Floor, line: &PlanLine, coverage: &mut Coverage) {
-    for (a, b) in free_pieces(floor, line) {
-        coverage.add_line(a, b);
-    }
-}
-
 /// The longest free piece of the endless line through `p` along `direction`, as far as the body
 /// fits; none where it does not fit at `p` itself.
 pub(super) fn through(floor: &Floor, p: Point, direction: Vector) -> Option<(Point, Point)> {

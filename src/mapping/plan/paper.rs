@@ -229,7 +229,7 @@ mod tests {
         let last = fan
             .windows(2)
             .map(|w| (w[1].end - w[0].end).norm())
-            .last()
+            .next_back()
             .unwrap();
         assert!(
             (last - (5.0 - 7.0 * 0.7)).abs() < 1e-9,

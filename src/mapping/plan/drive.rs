@@ -2,7 +2,7 @@
 //! sees the wall well within its range; walls passed at the side need to leave the body room.
 
 use crate::geometry::{Point, Vector};
-use crate::mapping::floor::{Coverage, Floor};
+use crate::mapping::floor::Floor;
 use crate::mapping::map::PlanLine;
 
 /// The body keeps this much from walls at its side, metres.

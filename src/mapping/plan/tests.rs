@@ -160,14 +160,18 @@ fn what_objects_cut_off_is_served_by_a_supplement() {
         .iter()
         .filter(|line| line.status == LineStatus::Planned)
     {
-        drive::cover(&floor, line, &mut coverage);
+        for (a, b) in drive::free_pieces(&floor, line) {
+            coverage.add_line(a, b);
+        }
     }
     let before = coverage.largest(&floor).unwrap().diameter;
     assert!(before > 0.26, "{before}");
     let extra = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.25);
     assert!(!extra.is_empty());
     for line in &extra {
-        drive::cover(&floor, line, &mut coverage);
+        for (a, b) in drive::free_pieces(&floor, line) {
+            coverage.add_line(a, b);
+        }
     }
     let after = coverage.largest(&floor).map_or(0.0, |disc| disc.diameter);
     assert!(after <= 0.245, "{after} left after {} lines", extra.len());

@@ -1,4 +1,25 @@
 //! Periplus: an operator console for robots that map a room by touch.
+//!
+//! The method is that of *Path Based Mapping Technique for Robots* (Dhawan, Oak, Mishra,
+//! Puthanpurackal), section III. Data flows one way: telemetry in, mapping core, commands out; the
+//! screen and the exports read copies of the state.
+//!
+//! Reading order:
+//!
+//! 1. `geometry`: points, poses, rings of straight and circular pieces.
+//! 2. `robot`: what may be asked of a robot, what it reports, what its body is like.
+//! 3. `mapping`: the core, without I/O or clock. `mission` is the run as one state machine;
+//!    `search` (III.C) with `follow`, `wall`, `circuit` and `adjust`; `shape` (III.D); `plan`
+//!    (III.E) on `floor`; `tour` (III.F) with `fix`.
+//! 4. `safety`: the one gate for commands. `session`: core, gate and operator's word together, and
+//!    the snapshot that the screen reads.
+//! 5. `simulator`, `firmware`, `link`: the simulated room, the robot's own side, and both as a link.
+//! 6. `console`, `export`, `journal`: the screen, the results, the record.
+//! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments.
+//!
+//! What is absent on purpose: the core never reads a clock or a file, and never sees the
+//! simulator's truth, which goes from the link to the exports alone.
+
 pub mod cli;
 pub mod commands;
 pub mod console;

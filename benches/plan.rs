@@ -80,11 +80,7 @@ fn lap(outline: &Ring) -> Vec<Point> {
     let count = corners.len();
     let mut path = Vec::new();
     for k in 0..count {
-        let (a, b, c) = (
-            corners[(k + count - 1) % count],
-            corners[k],
-            corners[(k + 1) % count],
-        );
+        let (a, b, c) = (corners[(k + count - 1) % count], corners[k], corners[(k + 1) % count]);
         let (u, v) = ((b - a).normalize(), (c - b).normalize());
         let (m, n) = (perp(u), perp(v));
         if cross(u, v) >= 0.0 {

@@ -53,11 +53,7 @@ fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let world = args.robot.world()?.or(places.world);
     needs_terminal()?;
-    glue::console(
-        world.as_deref(),
-        args.keymap.or(places.keymap).as_deref(),
-        &common,
-    )
+    glue::console(world.as_deref(), args.keymap.or(places.keymap).as_deref(), &common)
 }
 
 fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {

@@ -40,13 +40,7 @@ impl Firmware {
     /// For a robot with `chassis`.
     #[must_use]
     pub fn new(chassis: &Chassis) -> Self {
-        Self {
-            chassis: chassis.clone(),
-            running: None,
-            last_id: None,
-            silent: 0.0,
-            steps: 0,
-        }
+        Self { chassis: chassis.clone(), running: None, last_id: None, silent: 0.0, steps: 0 }
     }
 
     /// Begins a motion. A repeated id is the same command and changes nothing.
@@ -57,14 +51,8 @@ impl Firmware {
         }
         self.last_id = Some(command.id);
         let begin = hardware.odometer();
-        self.running = Some(Running {
-            command,
-            begin,
-            speed: 0.0,
-            ending: None,
-            still: 0,
-            last: begin,
-        });
+        self.running =
+            Some(Running { command, begin, speed: 0.0, ending: None, still: 0, last: begin });
     }
 
     /// The host is there.
@@ -100,10 +88,7 @@ impl Firmware {
                 let guard = running.command.guard;
                 let watched = if edge.rising { guard.rise } else { guard.fall };
                 if watched.has(edge.sensor) {
-                    let reason = DoneReason::Guard {
-                        sensor: edge.sensor,
-                        rising: edge.rising,
-                    };
+                    let reason = DoneReason::Guard { sensor: edge.sensor, rising: edge.rising };
                     running.ending = running.ending.or(Some(reason));
                 }
             }
@@ -115,14 +100,7 @@ impl Firmware {
             tell(done, hardware);
         } else if self.steps.is_multiple_of(REPORT_STEPS) {
             let (odometer, switches) = (hardware.odometer(), hardware.switches());
-            tell(
-                Telemetry::Report {
-                    odometer,
-                    switches,
-                    bumper: hardware.bumper(),
-                },
-                hardware,
-            );
+            tell(Telemetry::Report { odometer, switches, bumper: hardware.bumper() }, hardware);
         }
     }
 
@@ -134,10 +112,7 @@ impl Firmware {
         Self::watch(&mut running, hardware, elapsed);
         let rest = matches!(running.command.motion, Motion::Rest);
         let complete = !rest && left.abs() < 1e-4 && running.speed.abs() <= acceleration * STEP;
-        let hit = matches!(
-            running.ending,
-            Some(DoneReason::Bumper | DoneReason::Stalled)
-        );
+        let hit = matches!(running.ending, Some(DoneReason::Bumper | DoneReason::Stalled));
         let target = if running.ending.is_some() || rest {
             0.0
         } else {
@@ -191,16 +166,8 @@ impl Firmware {
                 let done = ticks as f64 * self.chassis.tick / 2.0;
                 // Half of half a tick is all that can be told.
                 let left = distance - done;
-                let left = if left.abs() < self.chassis.tick / 2.0 {
-                    0.0
-                } else {
-                    left
-                };
-                (
-                    left,
-                    speed.min(self.chassis.speed),
-                    self.chassis.acceleration,
-                )
+                let left = if left.abs() < self.chassis.tick / 2.0 { 0.0 } else { left };
+                (left, speed.min(self.chassis.speed), self.chassis.acceleration)
             }
             Motion::Turn { angle, rate } => {
                 let left = angle - (now.heading - running.begin.heading);
@@ -221,11 +188,8 @@ impl Firmware {
         let now = hardware.odometer();
         let stands = now.left_ticks == running.last.left_ticks
             && now.right_ticks == running.last.right_ticks;
-        running.still = if moves && stands && running.speed.abs() > 0.05 {
-            running.still + 1
-        } else {
-            0
-        };
+        running.still =
+            if moves && stands && running.speed.abs() > 0.05 { running.still + 1 } else { 0 };
         if running.still > 10 {
             running.ending = running.ending.or(Some(DoneReason::Stalled));
         }

@@ -105,13 +105,7 @@ pub fn drive(runner: &mut dyn Runner, signals: &Signals) -> Driven {
             if let Some(signal) = signals.received() {
                 runner.stop();
                 let reason = format!("stopped by {}", signal.name());
-                break 'run (
-                    Ending {
-                        outcome: Outcome::Stopped,
-                        reason,
-                    },
-                    Some(signal),
-                );
+                break 'run (Ending { outcome: Outcome::Stopped, reason }, Some(signal));
             }
             if let Step::Ended(ending) = runner.step() {
                 break 'run (ending, None);
@@ -120,11 +114,7 @@ pub fn drive(runner: &mut dyn Runner, signals: &Signals) -> Driven {
         bar.show(&runner.progress(), watch.seconds());
     };
     bar.clear();
-    Driven {
-        ending,
-        signal,
-        wall_seconds: watch.seconds(),
-    }
+    Driven { ending, signal, wall_seconds: watch.seconds() }
 }
 
 #[cfg(test)]
@@ -159,12 +149,7 @@ mod tests {
         }
 
         fn progress(&self) -> Progress {
-            Progress {
-                phase: Phase::Boundary,
-                share: None,
-                time: 0.0,
-                travel: 0.0,
-            }
+            Progress { phase: Phase::Boundary, share: None, time: 0.0, travel: 0.0 }
         }
 
         fn record<'a>(&'a self, ending: &'a Ending, wall_seconds: f64) -> RunRecord<'a> {
@@ -182,11 +167,7 @@ mod tests {
     }
 
     fn counting(left: u32) -> Counting {
-        Counting {
-            left,
-            stopped: false,
-            sample: sample::room(),
-        }
+        Counting { left, stopped: false, sample: sample::room() }
     }
 
     #[test]

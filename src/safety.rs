@@ -31,11 +31,7 @@ impl Gate {
     /// For a robot with `chassis`.
     #[must_use]
     pub fn new(chassis: &Chassis) -> Self {
-        Self {
-            latched: false,
-            speed: chassis.speed,
-            turn_rate: chassis.turn_rate,
-        }
+        Self { latched: false, speed: chassis.speed, turn_rate: chassis.turn_rate }
     }
 
     /// Nothing passes any more until [`Gate::clear`].
@@ -85,12 +81,7 @@ mod tests {
 
     fn drive(distance: f64, speed: f64, time_limit: f64) -> Command {
         let motion = Motion::Move { distance, speed };
-        Command {
-            id: CommandId(1),
-            motion,
-            guard: Guard::default(),
-            time_limit,
-        }
+        Command { id: CommandId(1), motion, guard: Guard::default(), time_limit }
     }
 
     #[test]
@@ -98,14 +89,8 @@ mod tests {
         let mut gate = Gate::new(&Chassis::default());
         assert!(gate.admit(drive(1.0, 0.2, 9.0)).is_ok());
         assert_eq!(gate.admit(drive(1.0, 0.3, 9.0)), Err(Refusal::TooFast));
-        assert_eq!(
-            gate.admit(drive(f64::NAN, 0.2, 9.0)),
-            Err(Refusal::Senseless)
-        );
-        assert_eq!(
-            gate.admit(drive(1.0, 0.2, f64::INFINITY)),
-            Err(Refusal::Senseless)
-        );
+        assert_eq!(gate.admit(drive(f64::NAN, 0.2, 9.0)), Err(Refusal::Senseless));
+        assert_eq!(gate.admit(drive(1.0, 0.2, f64::INFINITY)), Err(Refusal::Senseless));
         gate.latch();
         assert_eq!(gate.admit(drive(1.0, 0.2, 9.0)), Err(Refusal::Latched));
         gate.clear();

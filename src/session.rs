@@ -259,11 +259,7 @@ impl Session {
             phase: self.mission.phase(),
             progress,
             run: self.run,
-            robot: if self.heard {
-                Known::Known(view)
-            } else {
-                Known::Unknown
-            },
+            robot: if self.heard { Known::Known(view) } else { Known::Unknown },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
             hidden_at: None,
             map: self.mission.map_now(),

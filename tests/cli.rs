@@ -26,20 +26,10 @@ fn place(name: &str) -> PathBuf {
 fn refused(arguments: &[&str], words: &[&str]) {
     let output = periplus(arguments);
     let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(
-        output.status.code(),
-        Some(2),
-        "{arguments:?} ended otherwise: {message}"
-    );
-    assert!(
-        !message.contains("panicked"),
-        "{arguments:?} panicked: {message}"
-    );
+    assert_eq!(output.status.code(), Some(2), "{arguments:?} ended otherwise: {message}");
+    assert!(!message.contains("panicked"), "{arguments:?} panicked: {message}");
     for word in words {
-        assert!(
-            message.contains(word),
-            "{arguments:?}: no `{word}` in: {message}"
-        );
+        assert!(message.contains(word), "{arguments:?}: no `{word}` in: {message}");
     }
 }
 
@@ -48,10 +38,7 @@ fn help_and_version_are_results() {
     for flag in ["--help", "--version"] {
         let output = periplus(&[flag]);
         assert_eq!(output.status.code(), Some(0), "{flag}");
-        assert!(
-            !output.stdout.is_empty() && output.stderr.is_empty(),
-            "{flag} talks elsewhere"
-        );
+        assert!(!output.stdout.is_empty() && output.stderr.is_empty(), "{flag} talks elsewhere");
     }
 }
 
@@ -60,34 +47,17 @@ fn bad_values_are_refused_with_the_flag_and_what_it_takes() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["run", "--alpha", "0"], &["--alpha", "length"]),
         (&["run", "--alpha", "-0.5"], &["--alpha", "length"]),
-        (
-            &["run", "--alpha", "nan"],
-            &["--alpha", "not a finite number"],
-        ),
-        (
-            &["run", "--alpha", "inf"],
-            &["--alpha", "not a finite number"],
-        ),
+        (&["run", "--alpha", "nan"], &["--alpha", "not a finite number"]),
+        (&["run", "--alpha", "inf"], &["--alpha", "not a finite number"]),
         (&["run", "--alpha", "wide"], &["--alpha", "not a number"]),
         (&["run", "--plan", "leen"], &["--plan", "leen", "lean"]),
-        (
-            &["run", "--contour", "three-pass"],
-            &["--contour", "two-pass"],
-        ),
+        (&["run", "--contour", "three-pass"], &["--contour", "two-pass"]),
         (&["run", "--noise", "some"], &["--noise", "calibrated"]),
         (&["run", "--seed=-1"], &["--seed"]),
         (&["run", "--start", "1,2"], &["--start", "X,Y,DEG"]),
-        (
-            &["run", "--start", "1,2,nan"],
-            &["--start", "not a finite number"],
-        ),
+        (&["run", "--start", "1,2,nan"], &["--start", "not a finite number"]),
         (&["run", "--until", "end"], &["--until", "boundary"]),
-        (
-            &[
-                "snapshot", "--world", "a", "--until", "plan", "--size", "80",
-            ],
-            &["--size", "80x24"],
-        ),
+        (&["snapshot", "--world", "a", "--until", "plan", "--size", "80"], &["--size", "80x24"]),
         (&["snapshot", "--replay", "a", "--size", "80x24"], &["--at"]),
         (&["snapshot", "--size", "80x24"], &["--world"]),
         (&["fly"], &["fly"]),
@@ -108,26 +78,11 @@ fn what_is_missing_is_named() {
 fn what_this_version_does_not_have_is_said_plainly() {
     let none = "is not in this version";
     refused(&["ports"], &["periplus ports", none]);
-    refused(
-        &["robot", "--world", "room.toml", "--pty"],
-        &["periplus robot", none],
-    );
-    refused(
-        &["run", "--port", "/dev/ttyUSB0", "--out", "x"],
-        &["--port", none],
-    );
-    refused(
-        &["run", "--world", "a", "--out", "x", "--resume", "y"],
-        &["--resume", none],
-    );
-    refused(
-        &["run", "--world", "a", "--out", "x", "--tape", "0,0:1,0=1"],
-        &["--tape", none],
-    );
-    refused(
-        &["export", "a", "--format", "ros", "--out", "b"],
-        &["ros", none],
-    );
+    refused(&["robot", "--world", "room.toml", "--pty"], &["periplus robot", none]);
+    refused(&["run", "--port", "/dev/ttyUSB0", "--out", "x"], &["--port", none]);
+    refused(&["run", "--world", "a", "--out", "x", "--resume", "y"], &["--resume", none]);
+    refused(&["run", "--world", "a", "--out", "x", "--tape", "0,0:1,0=1"], &["--tape", none]);
+    refused(&["export", "a", "--format", "ros", "--out", "b"], &["ros", none]);
 }
 
 #[test]
@@ -135,15 +90,8 @@ fn a_folder_with_a_run_in_it_is_refused() {
     let dir = place("taken");
     fs::write(dir.join("report.json"), "{}").expect("a report");
     let shown = dir.to_str().expect("a plain path");
-    refused(
-        &["run", "--world", "room.toml", "--out", shown],
-        &[shown, "holds another run"],
-    );
-    assert_eq!(
-        fs::read_dir(&dir).expect("the folder").count(),
-        1,
-        "nothing was added"
-    );
+    refused(&["run", "--world", "room.toml", "--out", shown], &[shown, "holds another run"]);
+    assert_eq!(fs::read_dir(&dir).expect("the folder").count(), 1, "nothing was added");
 }
 
 #[test]
@@ -157,10 +105,7 @@ fn a_settings_file_is_told_by_file_line_and_key() {
     let file = dir.join("run.toml");
     let shown = file.to_str().expect("a plain path");
     let cases: &[(&str, &[&str])] = &[
-        (
-            "seed = 3\nalpa = 0.3\n",
-            &["run.toml:2:", "`alpa`", "did you mean `alpha`"],
-        ),
+        ("seed = 3\nalpa = 0.3\n", &["run.toml:2:", "`alpa`", "did you mean `alpha`"]),
         ("\nalpha = 0\n", &["run.toml:2:", "`alpha`", "length"]),
         ("alpha = nan\n", &["run.toml:1:", "not a finite number"]),
         ("plan = \"leen\"\n", &["run.toml:1:", "paper, lean, lanes"]),
@@ -171,15 +116,8 @@ fn a_settings_file_is_told_by_file_line_and_key() {
         fs::write(&file, text).expect("a settings file");
         refused(&["run", "--config", shown], words);
     }
-    refused(
-        &["run", "--config", "/nowhere/run.toml"],
-        &["/nowhere/run.toml"],
-    );
-    fs::write(
-        &file,
-        "alpha = 0.3\nstart = [1, 2, 90]\nworld = \"room.toml\"\n",
-    )
-    .expect("a file");
+    refused(&["run", "--config", "/nowhere/run.toml"], &["/nowhere/run.toml"]);
+    fs::write(&file, "alpha = 0.3\nstart = [1, 2, 90]\nworld = \"room.toml\"\n").expect("a file");
     refused(&["run", "--config", shown], &["needs --out DIR"]);
 }
 
@@ -191,21 +129,11 @@ fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     let output = periplus(&["check", file.to_str().expect("a plain path")]);
     let told = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(
-        told.contains("[boundary]") && told.contains("[keys]"),
-        "{told}"
-    );
+    assert!(told.contains("[boundary]") && told.contains("[keys]"), "{told}");
     fs::write(&file, "colour = \n").expect("a file");
-    let output = periplus(&[
-        "check",
-        file.to_str().expect("a plain path"),
-        "/nowhere.toml",
-    ]);
+    let output = periplus(&["check", file.to_str().expect("a plain path"), "/nowhere.toml"]);
     let told = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        told.contains("other.toml:1:") && told.contains("/nowhere.toml"),
-        "{told}"
-    );
+    assert!(told.contains("other.toml:1:") && told.contains("/nowhere.toml"), "{told}");
     assert_eq!(told.lines().count(), 2, "one line for each file: {told}");
 }
 
@@ -216,17 +144,9 @@ fn export_hands_over_what_a_run_left() {
     let out = dir.join("copy.svg");
     let (from, to) = (dir.to_str().expect("a path"), out.to_str().expect("a path"));
     let output = periplus(&["export", from, "--format", "svg", "--out", to]);
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(fs::read_to_string(&out).expect("the copy"), "<svg/>");
-    refused(
-        &["export", from, "--format", "png", "--out", to],
-        &["map.png", "finished run"],
-    );
+    refused(&["export", from, "--format", "png", "--out", to], &["map.png", "finished run"]);
 }
 
 #[test]
@@ -242,17 +162,9 @@ fn a_reader_that_goes_away_is_no_panic() {
         .expect("the program starts");
     drop(child.stdout.take());
     let mut told = String::new();
-    child
-        .stderr
-        .take()
-        .expect("piped")
-        .read_to_string(&mut told)
-        .expect("text");
+    child.stderr.take().expect("piped").read_to_string(&mut told).expect("text");
     let status = child.wait().expect("an end").code();
-    assert!(
-        matches!(status, Some(0 | 141)),
-        "ended with {status:?}: {told}"
-    );
+    assert!(matches!(status, Some(0 | 141)), "ended with {status:?}: {told}");
     assert!(told.is_empty(), "a closed pipe is nobody's fault: {told}");
 }
 
@@ -264,21 +176,12 @@ fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
     let dir = place("fit");
     let (world, out) = (dir.join("room.toml"), dir.join("out"));
     fs::write(&world, ROOM).expect("a world");
-    let (world, to) = (
-        world.to_str().expect("a path"),
-        out.to_str().expect("a path"),
-    );
+    let (world, to) = (world.to_str().expect("a path"), out.to_str().expect("a path"));
     let cases: &[(&[&str], &[&str])] = &[
-        (
-            &["--alpha", "4.5"],
-            &["α of 4.5 m is larger than the room", "4.00 x 3.00"],
-        ),
+        (&["--alpha", "4.5"], &["α of 4.5 m is larger than the room", "4.00 x 3.00"]),
         (&["--start", "9,9,0"], &["--start", "outside the room"]),
         (&["--start", "0.01,1,0"], &["--start"]),
-        (
-            &["--chassis", "/nowhere/robot.toml"],
-            &["/nowhere/robot.toml"],
-        ),
+        (&["--chassis", "/nowhere/robot.toml"], &["/nowhere/robot.toml"]),
     ];
     for (more, words) in cases {
         let arguments = [&["run", "--world", world, "--out", to], *more].concat();
@@ -292,35 +195,20 @@ fn a_chassis_is_read_strictly() {
     let dir = place("chassis");
     let (world, file) = (dir.join("room.toml"), dir.join("robot.toml"));
     fs::write(&world, ROOM).expect("a world");
-    let (world, shown) = (
-        world.to_str().expect("a path"),
-        file.to_str().expect("a path"),
-    );
+    let (world, shown) = (world.to_str().expect("a path"), file.to_str().expect("a path"));
     let cases: &[(&str, &[&str])] = &[
-        (
-            "radius = 0.1\nrang = 0.05\n",
-            &["robot.toml:2:", "`rang`", "did you mean `range`"],
-        ),
+        ("radius = 0.1\nrang = 0.05\n", &["robot.toml:2:", "`rang`", "did you mean `range`"]),
         ("radius = -1\n", &["robot.toml:1:", "`radius`", "between"]),
         ("radius = nan\n", &["robot.toml:1:", "not a finite number"]),
         ("sensors = 3\n", &["robot.toml:1:", "from 4 to 16"]),
-        (
-            "[[sensors]]\nname = \"front\"\nangel = 0\n",
-            &["robot.toml:3:", "`angel`", "`angle`"],
-        ),
-        (
-            "speed = \"fast\"\n",
-            &["robot.toml:1:", "`speed`", "a string"],
-        ),
+        ("[[sensors]]\nname = \"front\"\nangel = 0\n", &["robot.toml:3:", "`angel`", "`angle`"]),
+        ("speed = \"fast\"\n", &["robot.toml:1:", "`speed`", "a string"]),
     ];
     for (text, words) in cases {
         fs::write(&file, text).expect("a chassis");
         let out = dir.join("out");
         let to = out.to_str().expect("a path");
-        refused(
-            &["run", "--world", world, "--out", to, "--chassis", shown],
-            words,
-        );
+        refused(&["run", "--world", world, "--out", to, "--chassis", shown], words);
     }
 }
 
@@ -330,22 +218,12 @@ fn check_says_ok_or_what_is_wrong_and_where() {
     let (good, bad) = (dir.join("good.toml"), dir.join("bad.toml"));
     fs::write(&good, ROOM).expect("a world");
     fs::write(&bad, ROOM.replace("vertices", "vertexes")).expect("a world");
-    let (good, bad) = (
-        good.to_str().expect("a path"),
-        bad.to_str().expect("a path"),
-    );
+    let (good, bad) = (good.to_str().expect("a path"), bad.to_str().expect("a path"));
     let output = periplus(&["check", good]);
     let told = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(
-        (output.status.code(), told.contains("ok")),
-        (Some(0), true),
-        "{told}"
-    );
+    assert_eq!((output.status.code(), told.contains("ok")), (Some(0), true), "{told}");
     let output = periplus(&["check", good, bad]);
     let told = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(2), "one bad file: {told}");
-    assert!(
-        told.contains("vertexes") && told.contains("vertices"),
-        "{told}"
-    );
+    assert!(told.contains("vertexes") && told.contains("vertices"), "{told}");
 }

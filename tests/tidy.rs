@@ -41,11 +41,7 @@ fn sources() -> Vec<Source> {
     let mut all = Vec::new();
     collect(&root().join("src"), &mut all);
     all.sort_by(|a, b| a.path.cmp(&b.path));
-    assert!(
-        all.len() > 20,
-        "only {} files found: the walk is broken",
-        all.len()
-    );
+    assert!(all.len() > 20, "only {} files found: the walk is broken", all.len());
     all
 }
 
@@ -56,12 +52,7 @@ fn collect(folder: &Path, all: &mut Vec<Source>) {
             collect(&path, all);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             let inner = path.strip_prefix(root().join("src")).expect("below src");
-            let first = inner
-                .components()
-                .next()
-                .expect("a name")
-                .as_os_str()
-                .to_string_lossy();
+            let first = inner.components().next().expect("a name").as_os_str().to_string_lossy();
             let module = first.trim_end_matches(".rs").to_owned();
             let module = (!["lib", "main"].contains(&module.as_str())).then_some(module);
             let text = fs::read_to_string(&path).expect("a source file");
@@ -71,17 +62,12 @@ fn collect(folder: &Path, all: &mut Vec<Source>) {
 }
 
 fn rank(module: &str) -> Option<u8> {
-    RANKS
-        .iter()
-        .find(|(name, _)| *name == module)
-        .map(|(_, rank)| *rank)
+    RANKS.iter().find(|(name, _)| *name == module).map(|(_, rank)| *rank)
 }
 
 /// The text without comments, so that links in documentation are no imports.
 fn code(text: &str) -> String {
-    let lines = text
-        .lines()
-        .map(|line| line.split("//").next().unwrap_or_default());
+    let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default());
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -116,9 +102,7 @@ fn imports(code: &str) -> Vec<String> {
 }
 
 fn word(text: &str) -> String {
-    text.chars()
-        .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
-        .collect()
+    text.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
 }
 
 #[test]
@@ -147,19 +131,12 @@ fn imports_go_one_way() {
                 None => true,
             };
             if !allowed {
-                faults.push(format!(
-                    "{}: {module} imports {other}",
-                    source.path.display()
-                ));
+                faults.push(format!("{}: {module} imports {other}", source.path.display()));
             }
         }
     }
     assert!(seen > 50, "only {seen} imports seen: the search is broken");
-    assert!(
-        faults.is_empty(),
-        "imports against the ranks:\n{}",
-        faults.join("\n")
-    );
+    assert!(faults.is_empty(), "imports against the ranks:\n{}", faults.join("\n"));
 }
 
 #[test]
@@ -177,13 +154,8 @@ fn the_core_and_the_simulator_do_not_know_each_other() {
 
 #[test]
 fn only_the_runtime_reads_a_clock() {
-    const CLOCKS: [&str; 5] = [
-        "Instant::now",
-        "SystemTime",
-        "thread::sleep",
-        "time::sleep",
-        "time::interval",
-    ];
+    const CLOCKS: [&str; 5] =
+        ["Instant::now", "SystemTime", "thread::sleep", "time::sleep", "time::interval"];
     let mut in_runtime = 0;
     for source in sources() {
         let text = code(&source.text);
@@ -195,25 +167,16 @@ fn only_the_runtime_reads_a_clock() {
             }
         }
     }
-    assert!(
-        in_runtime > 0,
-        "not even the runtime reads a clock: the search is broken"
-    );
+    assert!(in_runtime > 0, "not even the runtime reads a clock: the search is broken");
 }
 
 #[test]
 fn files_are_named_alike_and_short() {
     for source in sources() {
         let shown = source.path.display();
-        assert!(
-            !source.path.ends_with("mod.rs"),
-            "{shown}: name it after its module"
-        );
+        assert!(!source.path.ends_with("mod.rs"), "{shown}: name it after its module");
         let lines = source.text.lines().count();
         assert!(lines <= LONGEST, "{shown}: {lines} lines; split it");
-        assert!(
-            source.text.starts_with("//!"),
-            "{shown}: say first what the file owns"
-        );
+        assert!(source.text.starts_with("//!"), "{shown}: say first what the file owns");
     }
 }

@@ -88,10 +88,7 @@ fn sensors(file: &SettingsFile, entry: &Entry<'_>) -> Result<Vec<SensorMount>, A
         }
         DeValue::Array(items) => items.iter().map(|item| mount(file, entry, item)).collect(),
         other => {
-            let why = format!(
-                "expected a count or a list of switches, found a {}",
-                kind(other)
-            );
+            let why = format!("expected a count or a list of switches, found a {}", kind(other));
             Err(file.bad(entry, &why))
         }
     };
@@ -109,18 +106,15 @@ fn mount(
     item: &Spanned<DeValue<'_>>,
 ) -> Result<SensorMount, ArgumentError> {
     let DeValue::Table(table) = item.get_ref() else {
-        let why = format!(
-            "a switch is a table with name and angle, not a {}",
-            kind(item.get_ref())
-        );
+        let why =
+            format!("a switch is a table with name and angle, not a {}", kind(item.get_ref()));
         return Err(file.bad(list, &why));
     };
     let (name, direction) = name_and_angle(file, table)?;
     match (name, direction) {
-        (Some(name), Some(direction)) => Ok(SensorMount {
-            name,
-            angle: angle::wrap(direction.to_radians()),
-        }),
+        (Some(name), Some(direction)) => {
+            Ok(SensorMount { name, angle: angle::wrap(direction.to_radians()) })
+        }
         _ => Err(file.bad(list, "each switch needs a `name` and an `angle`")),
     }
 }

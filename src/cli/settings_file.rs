@@ -31,14 +31,10 @@ impl SettingsFile {
     /// When it cannot be opened or is not text.
     pub fn open(path: &Path) -> Result<Self, ArgumentError> {
         match std::fs::read_to_string(path) {
-            Ok(text) => Ok(Self {
-                path: path.to_owned(),
-                text,
-            }),
-            Err(error) => Err(ArgumentError::Unreadable {
-                path: path.to_owned(),
-                reason: error.to_string(),
-            }),
+            Ok(text) => Ok(Self { path: path.to_owned(), text }),
+            Err(error) => {
+                Err(ArgumentError::Unreadable { path: path.to_owned(), reason: error.to_string() })
+            }
         }
     }
 
@@ -81,26 +77,15 @@ impl SettingsFile {
 
     /// A path that the file names, which is relative to the file's folder.
     pub fn beside(&self, named: &str) -> PathBuf {
-        self.path
-            .parent()
-            .map_or_else(|| PathBuf::from(named), |folder| folder.join(named))
+        self.path.parent().map_or_else(|| PathBuf::from(named), |folder| folder.join(named))
     }
 
     fn problem(&self, line: usize, problem: &str) -> ArgumentError {
-        ArgumentError::InFile {
-            path: self.path.clone(),
-            line,
-            problem: problem.to_owned(),
-        }
+        ArgumentError::InFile { path: self.path.clone(), line, problem: problem.to_owned() }
     }
 
     fn line(&self, at: usize) -> usize {
-        self.text
-            .bytes()
-            .take(at)
-            .filter(|&byte| byte == b'\n')
-            .count()
-            + 1
+        self.text.bytes().take(at).filter(|&byte| byte == b'\n').count() + 1
     }
 }
 
@@ -121,9 +106,8 @@ impl Entry<'_> {
         match self.value {
             DeValue::Integer(_) | DeValue::Float(_) => {
                 let text = words(self.value)?;
-                let value = text
-                    .parse::<f64>()
-                    .map_err(|_error| format!("`{text}` is not a number"))?;
+                let value =
+                    text.parse::<f64>().map_err(|_error| format!("`{text}` is not a number"))?;
                 if value.is_finite() {
                     Ok(value)
                 } else {

@@ -70,10 +70,7 @@ impl Common {
             None => config::Places::default(),
         };
         if self.tape.is_some() {
-            return Err(ArgumentError::absent(
-                "--tape",
-                "a taped length cannot scale the map yet",
-            ));
+            return Err(ArgumentError::absent("--tape", "a taped length cannot scale the map yet"));
         }
         if self.resume.is_some() {
             return Err(ArgumentError::absent(
@@ -89,9 +86,7 @@ impl Common {
     /// # Errors
     /// When the chassis file cannot be read or is wrong.
     pub fn body(&self) -> Result<Chassis, ArgumentError> {
-        self.chassis
-            .as_deref()
-            .map_or_else(|| Ok(Chassis::default()), chassis::read)
+        self.chassis.as_deref().map_or_else(|| Ok(Chassis::default()), chassis::read)
     }
 
     /// The settings of a run of the robot `body` from `start`.
@@ -149,21 +144,13 @@ pub(super) fn size(text: &str) -> Result<FrameSize, String> {
         Ok(count @ 1..=1000) => Ok(count),
         _ => Err(wrong()),
     };
-    Ok(FrameSize {
-        columns: cells(columns)?,
-        rows: cells(rows)?,
-    })
+    Ok(FrameSize { columns: cells(columns)?, rows: cells(rows)? })
 }
 
-const STRATEGIES: [(&str, Strategy); 3] = [
-    ("paper", Strategy::Paper),
-    ("lean", Strategy::Lean),
-    ("lanes", Strategy::Lanes),
-];
-const CONTOURS: [(&str, Contour); 2] = [
-    ("two-pass", Contour::TwoPass),
-    ("full-loop", Contour::FullLoop),
-];
+const STRATEGIES: [(&str, Strategy); 3] =
+    [("paper", Strategy::Paper), ("lean", Strategy::Lean), ("lanes", Strategy::Lanes)];
+const CONTOURS: [(&str, Contour); 2] =
+    [("two-pass", Contour::TwoPass), ("full-loop", Contour::FullLoop)];
 const NOISES: [(&str, NoiseProfile); 4] = [
     ("none", NoiseProfile::None),
     ("calibrated", NoiseProfile::Calibrated),
@@ -231,8 +218,7 @@ pub(super) fn named_phase(text: &str) -> Result<Phase, String> {
 
 /// A seed.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
-    text.parse()
-        .map_err(|_error| format!("`{text}` is not a whole number from 0 up"))
+    text.parse().map_err(|_error| format!("`{text}` is not a whole number from 0 up"))
 }
 
 #[cfg(test)]
@@ -259,13 +245,7 @@ mod tests {
 
     #[test]
     fn sizes_are_columns_by_rows() {
-        assert_eq!(
-            size("80x24"),
-            Ok(FrameSize {
-                columns: 80,
-                rows: 24
-            })
-        );
+        assert_eq!(size("80x24"), Ok(FrameSize { columns: 80, rows: 24 }));
         for bad in ["80", "80x", "0x24", "80x99999", "x", "-1x5"] {
             assert!(size(bad).is_err(), "size of `{bad}` was taken");
         }

@@ -28,10 +28,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
 
 /// What the file is, when nothing is wrong with it.
 fn verdict(path: &Path) -> Result<&'static str, String> {
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or_default();
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension {
         // The reader of worlds says best why it reads no ROS maps.
         "geojson" | "json" | "yaml" | "yml" => world(path),
@@ -62,7 +59,5 @@ fn toml(path: &Path) -> Result<&'static str, String> {
 
 fn world(path: &Path) -> Result<&'static str, String> {
     let radius = Chassis::default().radius;
-    World::load(path, radius)
-        .map(|_| "world")
-        .map_err(|error| error.to_string())
+    World::load(path, radius).map(|_| "world").map_err(|error| error.to_string())
 }

@@ -18,9 +18,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// Says what is wrong, with file, line and key.
 pub fn check_keymap(path: &Path) -> Result<(), String> {
-    keymap(Some(path))
-        .map(|_| ())
-        .map_err(|error| error.to_string())
+    keymap(Some(path)).map(|_| ()).map_err(|error| error.to_string())
 }
 
 /// A run in the simulator, ready to be driven; it keeps the record.
@@ -72,24 +70,16 @@ pub fn console(
     let out = common.out.clone().map_or_else(state_folder, Ok)?;
     OutputFolder::refuse_taken(&out)?;
     let (folder, file) = OutputFolder::create(&out)?;
-    let journal = Journal::begin(file, &header).map_err(|source| CommandError::System {
-        what: "the record of the run",
-        source,
-    })?;
+    let journal = Journal::begin(file, &header)
+        .map_err(|source| CommandError::System { what: "the record of the run", source })?;
     let noise = common.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
     let mut driver = SimulatedDriver::new(run);
-    let options = Options {
-        keymap,
-        colour: std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty()),
-    };
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build();
-    let runtime = runtime.map_err(|source| CommandError::System {
-        what: "the event loop",
-        source,
-    })?;
+    let options =
+        Options { keymap, colour: std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty()) };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime =
+        runtime.map_err(|source| CommandError::System { what: "the event loop", source })?;
     let ended = runtime.block_on(app::run(&mut driver, options, &mut RealClock::start()));
     let mut headless = Headless::left(driver.into_run());
     let mut status = 0;
@@ -97,10 +87,7 @@ pub fn console(
         super::output::say(&format!("periplus: {failure}"));
         status = 1;
     }
-    super::output::say(&format!(
-        "periplus: recorded in {}",
-        folder.path().display()
-    ));
+    super::output::say(&format!("periplus: recorded in {}", folder.path().display()));
     match ended {
         Ok(app::Ending::Quit) => Ok(status),
         Ok(app::Ending::Signal(number)) => Ok(128 + number),
@@ -113,22 +100,14 @@ pub fn console(
 
 /// A fresh folder under the XDG state folder.
 fn state_folder() -> Result<PathBuf, CommandError> {
-    let home = std::env::var_os("XDG_STATE_HOME")
-        .map(PathBuf::from)
-        .or_else(|| {
-            std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local").join("state"))
-        });
-    let runs = home
-        .unwrap_or_else(std::env::temp_dir)
-        .join("periplus")
-        .join("runs");
+    let home = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from).or_else(|| {
+        std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local").join("state"))
+    });
+    let runs = home.unwrap_or_else(std::env::temp_dir).join("periplus").join("runs");
     (1..100_000)
         .map(|number| runs.join(format!("{number:05}")))
         .find(|dir| !dir.exists())
-        .ok_or(CommandError::Input(format!(
-            "{} is full; remove old runs",
-            runs.display()
-        )))
+        .ok_or(CommandError::Input(format!("{} is full; remove old runs", runs.display())))
 }
 
 fn header_of(
@@ -182,13 +161,7 @@ pub fn snapshot_of_world(args: &SnapshotArgs, common: &Common) -> Result<String,
         FrameFormat::Svg => frame::Format::Svg,
     };
     let snapshot = headless.inner().snapshot();
-    Ok(frame::render(
-        &snapshot,
-        args.size.columns,
-        args.size.rows,
-        format,
-        Keymap::default(),
-    ))
+    Ok(frame::render(&snapshot, args.size.columns, args.size.rows, format, Keymap::default()))
 }
 
 fn absent(what: &'static str) -> CommandError {

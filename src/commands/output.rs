@@ -13,10 +13,7 @@ pub fn print(text: &str) -> Result<(), CommandError> {
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(CommandError::ReaderGone),
-        Err(source) => Err(CommandError::System {
-            what: "standard output",
-            source,
-        }),
+        Err(source) => Err(CommandError::System { what: "standard output", source }),
     }
 }
 

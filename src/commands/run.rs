@@ -31,15 +31,11 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     };
 
     let (folder, file) = OutputFolder::create(&out)?;
-    let journal = Journal::begin(file, &header).map_err(|source| CommandError::System {
-        what: "the record of the run",
-        source,
-    })?;
+    let journal = Journal::begin(file, &header)
+        .map_err(|source| CommandError::System { what: "the record of the run", source })?;
     let mut runner = glue::simulated(&world, &header, noise, journal)?;
-    let signals = Signals::listen().map_err(|source| CommandError::System {
-        what: "listening for signals",
-        source,
-    })?;
+    let signals = Signals::listen()
+        .map_err(|source| CommandError::System { what: "listening for signals", source })?;
     let driven = drive(&mut *runner, &signals);
     finish(&mut *runner, &driven, &folder)
 }
@@ -52,9 +48,7 @@ fn finish(
 ) -> Result<u8, CommandError> {
     let mut status = driven.status();
     if let Err(error) = runner.finish_journal() {
-        output::say(&format!(
-            "periplus: the record of the run is not whole: {error}"
-        ));
+        output::say(&format!("periplus: the record of the run is not whole: {error}"));
         status = status.max(1);
     }
     let record = runner.record(&driven.ending, driven.wall_seconds);
@@ -64,11 +58,7 @@ fn finish(
     }
     let ending = &driven.ending;
     let outcome = format!("{:?}", ending.outcome).to_lowercase();
-    output::print(&format!(
-        "{outcome}: {}; results in {}\n",
-        ending.reason,
-        shown(folder.path())
-    ))?;
+    output::print(&format!("{outcome}: {}; results in {}\n", ending.reason, shown(folder.path())))?;
     Ok(status)
 }
 
@@ -77,8 +67,5 @@ fn shown(path: &Path) -> String {
 }
 
 fn missing(flag: &'static str) -> ArgumentError {
-    ArgumentError::Missing {
-        command: "run",
-        flag,
-    }
+    ArgumentError::Missing { command: "run", flag }
 }

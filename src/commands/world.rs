@@ -20,17 +20,10 @@ pub fn load(path: &Path, common: &Common) -> Result<World, CommandError> {
 /// As [`load`].
 pub fn built_in(text: &str, common: &Common) -> Result<World, CommandError> {
     let radius = common.body()?.radius;
-    fitted(
-        World::from_toml(text, "the built-in world", radius).map_err(input)?,
-        common,
-        radius,
-    )
+    fitted(World::from_toml(text, "the built-in world", radius).map_err(input)?, common, radius)
 }
 
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "map_err hands the error over"
-)]
+#[expect(clippy::needless_pass_by_value, reason = "map_err hands the error over")]
 fn input(error: crate::simulator::WorldError) -> CommandError {
     CommandError::Input(error.to_string())
 }
@@ -50,12 +43,7 @@ fn fitted(mut world: World, common: &Common, radius: f64) -> Result<World, Comma
 fn alpha_fits(alpha: f64, (width, height): (f64, f64)) -> Result<(), ArgumentError> {
     let limit = width.max(height);
     if alpha > limit {
-        return Err(ArgumentError::AlphaTooLarge {
-            alpha,
-            width,
-            height,
-            limit,
-        });
+        return Err(ArgumentError::AlphaTooLarge { alpha, width, height, limit });
     }
     Ok(())
 }

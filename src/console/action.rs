@@ -112,41 +112,11 @@ pub struct ActionInfo {
 
 /// Every action, in the order of help and footer.
 pub const ACTIONS: &[ActionInfo] = &[
-    row(
-        Action::Stop,
-        "stop",
-        "stand still at once, and stay so",
-        Group::Robot,
-        "stop",
-    ),
-    row(
-        Action::ClearStop,
-        "clear",
-        "allow motion again after a stop",
-        Group::Robot,
-        "clear",
-    ),
-    row(
-        Action::RunPause,
-        "run",
-        "run, or pause after this command",
-        Group::Robot,
-        "run/pause",
-    ),
-    row(
-        Action::StepCommand,
-        "step-command",
-        "one command, then wait",
-        Group::Robot,
-        "command",
-    ),
-    row(
-        Action::StepEvent,
-        "step-event",
-        "to the next event, then wait",
-        Group::Robot,
-        "event",
-    ),
+    row(Action::Stop, "stop", "stand still at once, and stay so", Group::Robot, "stop"),
+    row(Action::ClearStop, "clear", "allow motion again after a stop", Group::Robot, "clear"),
+    row(Action::RunPause, "run", "run, or pause after this command", Group::Robot, "run/pause"),
+    row(Action::StepCommand, "step-command", "one command, then wait", Group::Robot, "command"),
+    row(Action::StepEvent, "step-event", "to the next event, then wait", Group::Robot, "event"),
     row(
         Action::StepPhase,
         "step-phase",
@@ -154,121 +124,25 @@ pub const ACTIONS: &[ActionInfo] = &[
         Group::Robot,
         "phase",
     ),
-    row(
-        Action::AlphaDown,
-        "alpha-down",
-        "α down by 0.05 m: finer, longer",
-        Group::Run,
-        "α",
-    ),
-    row(
-        Action::AlphaUp,
-        "alpha-up",
-        "α up by 0.05 m: coarser, shorter",
-        Group::Run,
-        "α",
-    ),
-    row(
-        Action::SlowDown,
-        "slower",
-        "simulated time slower",
-        Group::Run,
-        "speed",
-    ),
-    row(
-        Action::SpeedUp,
-        "faster",
-        "simulated time faster",
-        Group::Run,
-        "speed",
-    ),
-    row(
-        Action::Finish,
-        "finish",
-        "end the run here, keep the map",
-        Group::Run,
-        "",
-    ),
+    row(Action::AlphaDown, "alpha-down", "α down by 0.05 m: finer, longer", Group::Run, "α"),
+    row(Action::AlphaUp, "alpha-up", "α up by 0.05 m: coarser, shorter", Group::Run, "α"),
+    row(Action::SlowDown, "slower", "simulated time slower", Group::Run, "speed"),
+    row(Action::SpeedUp, "faster", "simulated time faster", Group::Run, "speed"),
+    row(Action::Finish, "finish", "end the run here, keep the map", Group::Run, ""),
     row(Action::ZoomIn, "zoom-in", "closer", Group::Map, "zoom"),
-    row(
-        Action::ZoomOut,
-        "zoom-out",
-        "further away",
-        Group::Map,
-        "zoom",
-    ),
-    row(
-        Action::PanLeft,
-        "pan-left",
-        "look further left",
-        Group::Map,
-        "",
-    ),
-    row(
-        Action::PanDown,
-        "pan-down",
-        "look further down",
-        Group::Map,
-        "",
-    ),
+    row(Action::ZoomOut, "zoom-out", "further away", Group::Map, "zoom"),
+    row(Action::PanLeft, "pan-left", "look further left", Group::Map, ""),
+    row(Action::PanDown, "pan-down", "look further down", Group::Map, ""),
     row(Action::PanUp, "pan-up", "look further up", Group::Map, ""),
-    row(
-        Action::PanRight,
-        "pan-right",
-        "look further right",
-        Group::Map,
-        "",
-    ),
-    row(
-        Action::Follow,
-        "follow",
-        "keep the robot in the middle",
-        Group::Map,
-        "follow",
-    ),
+    row(Action::PanRight, "pan-right", "look further right", Group::Map, ""),
+    row(Action::Follow, "follow", "keep the robot in the middle", Group::Map, "follow"),
     row(Action::Fit, "fit", "show everything", Group::Map, "fit"),
-    row(
-        Action::ToggleContacts,
-        "contacts",
-        "contacts shown or hidden",
-        Group::Map,
-        "",
-    ),
-    row(
-        Action::ToggleTrajectory,
-        "trajectory",
-        "trajectory shown or hidden",
-        Group::Map,
-        "",
-    ),
-    row(
-        Action::TogglePlan,
-        "plan",
-        "lines of the plan shown or hidden",
-        Group::Map,
-        "",
-    ),
-    row(
-        Action::ToggleRejected,
-        "rejected",
-        "rejected lines shown or hidden",
-        Group::Map,
-        "",
-    ),
-    row(
-        Action::LogUp,
-        "log-up",
-        "older lines of the log",
-        Group::Screen,
-        "",
-    ),
-    row(
-        Action::LogDown,
-        "log-down",
-        "newer lines of the log",
-        Group::Screen,
-        "",
-    ),
+    row(Action::ToggleContacts, "contacts", "contacts shown or hidden", Group::Map, ""),
+    row(Action::ToggleTrajectory, "trajectory", "trajectory shown or hidden", Group::Map, ""),
+    row(Action::TogglePlan, "plan", "lines of the plan shown or hidden", Group::Map, ""),
+    row(Action::ToggleRejected, "rejected", "rejected lines shown or hidden", Group::Map, ""),
+    row(Action::LogUp, "log-up", "older lines of the log", Group::Screen, ""),
+    row(Action::LogDown, "log-down", "newer lines of the log", Group::Screen, ""),
     row(
         Action::ToggleDetail,
         "detail",
@@ -276,28 +150,10 @@ pub const ACTIONS: &[ActionInfo] = &[
         Group::Screen,
         "",
     ),
-    row(
-        Action::Redraw,
-        "redraw",
-        "draw the screen anew",
-        Group::Screen,
-        "",
-    ),
-    row(
-        Action::CommandLine,
-        "command-line",
-        "type a command",
-        Group::Screen,
-        "line",
-    ),
+    row(Action::Redraw, "redraw", "draw the screen anew", Group::Screen, ""),
+    row(Action::CommandLine, "command-line", "type a command", Group::Screen, "line"),
     row(Action::Help, "help", "this help", Group::Screen, "help"),
-    row(
-        Action::Quit,
-        "quit",
-        "leave; asks only while the robot moves",
-        Group::Screen,
-        "quit",
-    ),
+    row(Action::Quit, "quit", "leave; asks only while the robot moves", Group::Screen, "quit"),
 ];
 
 const fn row(
@@ -307,33 +163,21 @@ const fn row(
     group: Group,
     footer: &'static str,
 ) -> ActionInfo {
-    ActionInfo {
-        action,
-        name,
-        help,
-        group,
-        footer,
-    }
+    ActionInfo { action, name, help, group, footer }
 }
 
 impl Action {
     /// The action called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        ACTIONS
-            .iter()
-            .find(|info| info.name == name)
-            .map(|info| info.action)
+        ACTIONS.iter().find(|info| info.name == name).map(|info| info.action)
     }
 
     /// Its row of the table.
     #[must_use]
     pub fn info(self) -> &'static ActionInfo {
         // The test below holds that every action has a row.
-        ACTIONS
-            .iter()
-            .find(|info| info.action == self)
-            .unwrap_or(&ACTIONS[0])
+        ACTIONS.iter().find(|info| info.action == self).unwrap_or(&ACTIONS[0])
     }
 }
 
@@ -362,11 +206,7 @@ fn distance(a: &str, b: &str) -> usize {
                 let swap = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
                 let change = table[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
                 let best = change.min(table[i - 1][j] + 1).min(table[i][j - 1] + 1);
-                if swap {
-                    best.min(table[i - 2][j - 2] + 1)
-                } else {
-                    best
-                }
+                if swap { best.min(table[i - 2][j - 2] + 1) } else { best }
             };
         }
     }
@@ -384,11 +224,7 @@ mod tests {
         assert_eq!(names.len(), ACTIONS.len(), "two actions share a name");
         let actions: BTreeSet<_> = ACTIONS.iter().map(|info| info.action).collect();
         assert_eq!(actions.len(), ACTIONS.len(), "an action has two rows");
-        assert_eq!(
-            ACTIONS.len(),
-            Action::Quit as usize + 1,
-            "an action has no row"
-        );
+        assert_eq!(ACTIONS.len(), Action::Quit as usize + 1, "an action has no row");
         for info in ACTIONS {
             assert_eq!(Action::named(info.name), Some(info.action));
             assert!(!info.help.is_empty(), "{} has no help", info.name);

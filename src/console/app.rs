@@ -71,16 +71,12 @@ async fn turn(
     if !driver.has_own_time() {
         model.speed = None;
     }
-    let theme = if options.colour {
-        Theme::colour()
-    } else {
-        Theme::mono()
-    };
+    let theme = if options.colour { Theme::colour() } else { Theme::mono() };
     let mut keys = EventStream::new();
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;
     let mut hangup = signal(SignalKind::hangup())?;
-    let mut tick = tokio::time::interval(FRAME);
+    let mut tick = clock.ticker(FRAME);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
     let mut drawn: Option<(u64, Model)> = None;
     let mut snapshot = driver.snapshot();
@@ -106,9 +102,7 @@ async fn turn(
         }
         pass_time(driver, &model, clock);
         let version = driver.version();
-        let fresh = drawn
-            .as_ref()
-            .is_none_or(|(v, m)| *v != version || *m != model);
+        let fresh = drawn.as_ref().is_none_or(|(v, m)| *v != version || *m != model);
         if fresh && clock.frame_is_due(FRAME) {
             snapshot = driver.snapshot();
             guard.terminal.draw(|frame| {

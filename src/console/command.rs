@@ -79,9 +79,7 @@ impl Command {
             "export" => Ok(Self::Export(argument.to_owned())),
             _ => match Action::named(word) {
                 Some(action) if argument.is_empty() => Ok(Self::Action(action)),
-                Some(_) => Err(CommandError::Alone {
-                    name: word.to_owned(),
-                }),
+                Some(_) => Err(CommandError::Alone { name: word.to_owned() }),
                 None => Err(CommandError::Unknown {
                     word: word.to_owned(),
                     meant: nearest(word, names()).map(str::to_owned),
@@ -97,17 +95,12 @@ impl Command {
         let first = matching.next()?;
         let Some(second) = matching.next() else {
             let takes_more = COMMANDS.iter().any(|(name, ..)| *name == first);
-            return Some(if takes_more {
-                format!("{first}=")
-            } else {
-                first.to_owned()
-            });
+            return Some(if takes_more { format!("{first}=") } else { first.to_owned() });
         };
         let shared =
             |a: &str, b: &str| a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
-        let length = matching.fold(shared(first, second), |least, name| {
-            least.min(shared(first, name))
-        });
+        let length =
+            matching.fold(shared(first, second), |least, name| least.min(shared(first, name)));
         Some(first.get(..length).unwrap_or(text).to_owned())
     }
 
@@ -118,18 +111,12 @@ impl Command {
 }
 
 fn names() -> impl Iterator<Item = &'static str> {
-    COMMANDS
-        .iter()
-        .map(|&(name, ..)| name)
-        .chain(ACTIONS.iter().map(|info| info.name))
+    COMMANDS.iter().map(|&(name, ..)| name).chain(ACTIONS.iter().map(|info| info.name))
 }
 
 fn parse_alpha(text: &str) -> Result<f64, CommandError> {
     let value: Result<f64, _> = text.trim_end_matches('m').trim().parse();
-    value
-        .ok()
-        .filter(|alpha| (ALPHA.0..=ALPHA.1).contains(alpha))
-        .ok_or(CommandError::Alpha)
+    value.ok().filter(|alpha| (ALPHA.0..=ALPHA.1).contains(alpha)).ok_or(CommandError::Alpha)
 }
 
 fn parse_speed(text: &str) -> Result<Speed, CommandError> {
@@ -152,10 +139,7 @@ mod tests {
             (" alpha  .3 m ", Command::Alpha(0.3)),
             ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
             ("speed max", Command::Speed(Speed::MAX)),
-            (
-                "export some where",
-                Command::Export("some where".to_owned()),
-            ),
+            ("export some where", Command::Export("some where".to_owned())),
             ("quit", Command::Action(Action::Quit)),
             ("step-phase", Command::Action(Action::StepPhase)),
         ] {
@@ -178,10 +162,7 @@ mod tests {
             ("zzzzz", "no command `zzzzz`; ? lists them"),
         ] {
             let message = Command::parse(text).map_err(|error| error.to_string());
-            assert!(
-                message.clone().is_err_and(|m| m.starts_with(says)),
-                "{text}: {message:?}"
-            );
+            assert!(message.clone().is_err_and(|m| m.starts_with(says)), "{text}: {message:?}");
         }
     }
 

@@ -60,10 +60,7 @@ impl Speed {
     /// The step with this many times real time, if there is one.
     #[must_use]
     pub fn of(times: f64) -> Option<Self> {
-        STEPS
-            .iter()
-            .position(|&step| f64::from(step) == times)
-            .map(Self)
+        STEPS.iter().position(|&step| f64::from(step) == times).map(Self)
     }
 
     /// One step faster, or the same at the end.
@@ -102,6 +99,9 @@ pub trait Clock {
 
     /// Whether this much real time went by since [`Clock::since_last`].
     fn has_spent(&self, budget: std::time::Duration) -> bool;
+
+    /// Wakes the loop this often.
+    fn ticker(&self, every: std::time::Duration) -> tokio::time::Interval;
 
     /// Whether `pause` went by since this last said yes.
     fn frame_is_due(&mut self, pause: std::time::Duration) -> bool;

@@ -40,9 +40,7 @@ pub fn planes(model: &Model, snapshot: &Snapshot) -> (String, String) {
     let symbols = text(&draw(model, snapshot, &Theme::colour()));
     let probe = draw(model, snapshot, &Theme::probe());
     let letters = rows_of(&probe, |cell| {
-        Theme::probed(cell.fg)
-            .map_or(' ', super::theme::Role::letter)
-            .to_string()
+        Theme::probed(cell.fg).map_or(' ', super::theme::Role::letter).to_string()
     });
     (symbols, letters)
 }
@@ -118,27 +116,17 @@ const PALETTE: [(Color, &str); 16] = [
 
 fn code_of(colour: Color, base: usize) -> Option<usize> {
     let index = PALETTE.iter().position(|(known, _)| *known == colour)?;
-    Some(if index < 8 {
-        base + index
-    } else {
-        base + 60 + index - 8
-    })
+    Some(if index < 8 { base + index } else { base + 60 + index - 8 })
 }
 
 fn hex(colour: Color, otherwise: &'static str) -> &'static str {
-    PALETTE
-        .iter()
-        .find(|(known, _)| *known == colour)
-        .map_or(otherwise, |(_, hex)| hex)
+    PALETTE.iter().find(|(known, _)| *known == colour).map_or(otherwise, |(_, hex)| hex)
 }
 
 fn svg(buf: &Buffer) -> String {
     const W: f64 = 9.0;
     const H: f64 = 18.0;
-    let (width, height) = (
-        f64::from(buf.area.width) * W,
-        f64::from(buf.area.height) * H,
-    );
+    let (width, height) = (f64::from(buf.area.width) * W, f64::from(buf.area.height) * H);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          font-family=\"monospace\" font-size=\"15\"><rect width=\"100%\" height=\"100%\" fill=\"#121212\"/>\n"
@@ -193,10 +181,8 @@ fn braille(out: &mut String, dots: u32, at: (f64, f64), size: (f64, f64), ink: &
             if dots & bit != 0 {
                 let x = at.0 + size.0 * (f64::from(col) * 0.5 + 0.25);
                 let y = at.1 + size.1 * (f64::from(row) * 0.25 + 0.125);
-                let _ = writeln!(
-                    out,
-                    "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"1.4\" fill=\"{ink}\"/>"
-                );
+                let _ =
+                    writeln!(out, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"1.4\" fill=\"{ink}\"/>");
             }
         }
     }

@@ -98,9 +98,7 @@ impl Key {
     pub fn typed(self) -> Option<char> {
         match self.code {
             KeyCode::Char(letter)
-                if !self
-                    .modifiers
-                    .intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) =>
+                if !self.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) =>
             {
                 Some(letter)
             }
@@ -126,11 +124,7 @@ impl Key {
             KeyCode::PageDown => "pgdn",
             _ => return self.to_string(),
         };
-        if self.modifiers.is_empty() {
-            arrow.to_owned()
-        } else {
-            self.to_string()
-        }
+        if self.modifiers.is_empty() { arrow.to_owned() } else { self.to_string() }
     }
 }
 
@@ -187,19 +181,14 @@ mod tests {
             let key = Key::parse(text).unwrap_or_else(|| panic!("{text} was not understood"));
             assert_eq!(key.to_string(), text);
         }
-        for text in [
-            "", "spce", "ctrl-", "f13", "f0", "shift-p", "qq", " ", "\u{7}",
-        ] {
+        for text in ["", "spce", "ctrl-", "f13", "f0", "shift-p", "qq", " ", "\u{7}"] {
             assert_eq!(Key::parse(text), None, "{text:?} was taken for a key");
         }
     }
 
     #[test]
     fn what_the_terminal_reports_is_the_key_that_is_written() {
-        let event = KeyEvent::new(
-            KeyCode::Char('C'),
-            KeyModifiers::CONTROL | KeyModifiers::SHIFT,
-        );
+        let event = KeyEvent::new(KeyCode::Char('C'), KeyModifiers::CONTROL | KeyModifiers::SHIFT);
         assert_eq!(Some(Key::from_event(&event)), Key::parse("ctrl-c"));
         let event = KeyEvent::new(KeyCode::Char('?'), KeyModifiers::SHIFT);
         assert_eq!(Some(Key::from_event(&event)), Key::parse("?"));

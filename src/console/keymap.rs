@@ -117,9 +117,7 @@ pub struct Keymap {
 impl Default for Keymap {
     fn default() -> Self {
         // A test holds that the built-in file is good.
-        Self::parse(DEFAULT, "keymaps/default.toml").unwrap_or(Self {
-            bindings: Vec::new(),
-        })
+        Self::parse(DEFAULT, "keymaps/default.toml").unwrap_or(Self { bindings: Vec::new() })
     }
 }
 
@@ -129,29 +127,18 @@ impl Keymap {
     /// # Errors
     /// The first thing that is wrong, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, KeymapError> {
-        Reader {
-            text,
-            file,
-            seen: Vec::new(),
-        }
-        .read()
+        Reader { text, file, seen: Vec::new() }.read()
     }
 
     /// What `key` asks for.
     #[must_use]
     pub fn action(&self, key: Key) -> Option<Action> {
-        self.bindings
-            .iter()
-            .find(|(bound, _)| *bound == key)
-            .map(|&(_, action)| action)
+        self.bindings.iter().find(|(bound, _)| *bound == key).map(|&(_, action)| action)
     }
 
     /// The keys that ask for `action`, in the order of the file.
     pub fn keys(&self, action: Action) -> impl Iterator<Item = Key> {
-        self.bindings
-            .iter()
-            .filter(move |(_, bound)| *bound == action)
-            .map(|&(key, _)| key)
+        self.bindings.iter().filter(move |(_, bound)| *bound == action).map(|&(key, _)| key)
     }
 
     /// The first key that asks for `action`, as shown on screen; empty when it has none.
@@ -179,10 +166,7 @@ impl Reader<'_> {
         })?;
         let mut bindings = Vec::new();
         for (name, value) in in_file_order(root.get_ref()) {
-            let Some(table) = value
-                .get_ref()
-                .as_table()
-                .filter(|_| name.get_ref() == "keys")
+            let Some(table) = value.get_ref().as_table().filter(|_| name.get_ref() == "keys")
             else {
                 return Err(KeymapError::UnknownTable {
                     file: self.file.to_owned(),
@@ -274,22 +258,14 @@ impl Reader<'_> {
     }
 
     fn line(&self, span: Range<usize>) -> usize {
-        1 + self
-            .text
-            .bytes()
-            .take(span.start)
-            .filter(|&byte| byte == b'\n')
-            .count()
+        1 + self.text.bytes().take(span.start).filter(|&byte| byte == b'\n').count()
     }
 }
 
 /// The entries as they stand in the file, so that of two wrongs the first is told.
 fn in_file_order<'t, 'i>(
     table: &'t toml::de::DeTable<'i>,
-) -> Vec<(
-    &'t Spanned<toml::de::DeString<'i>>,
-    &'t Spanned<toml::de::DeValue<'i>>,
-)> {
+) -> Vec<(&'t Spanned<toml::de::DeString<'i>>, &'t Spanned<toml::de::DeValue<'i>>)> {
     let mut entries: Vec<_> = table.iter().collect();
     entries.sort_by_key(|(name, _)| name.span().start);
     entries
@@ -310,11 +286,7 @@ mod tests {
     fn the_built_in_keymap_is_good_and_reaches_every_action() {
         let keymap = Keymap::parse(DEFAULT, "default").unwrap();
         for info in ACTIONS {
-            assert!(
-                keymap.keys(info.action).next().is_some(),
-                "no key for {}",
-                info.name
-            );
+            assert!(keymap.keys(info.action).next().is_some(), "no key for {}", info.name);
         }
     }
 
@@ -348,11 +320,7 @@ mod tests {
             (":", Action::CommandLine),
             ("q", Action::Quit),
         ] {
-            assert_eq!(
-                keymap.action(Key::parse(key).unwrap()),
-                Some(action),
-                "key {key}"
-            );
+            assert_eq!(keymap.action(Key::parse(key).unwrap()), Some(action), "key {key}");
         }
     }
 
@@ -362,26 +330,14 @@ mod tests {
         assert!(Keymap::parse(good, "my.toml").is_ok(), "{}", error(good));
         for (text, says) in [
             ("[keys]\nstop = [", "my.toml:2: not a keymap"),
-            (
-                "[key]\nstop = [\"space\"]",
-                "my.toml:1: a keymap has no `key`",
-            ),
+            ("[key]\nstop = [\"space\"]", "my.toml:1: a keymap has no `key`"),
             (
                 "[keys]\nstopp = [\"space\"]",
                 "my.toml:2: there is no action `stopp`; did you mean `stop`?",
             ),
-            (
-                "[keys]\nstop = 3",
-                "my.toml:2: `stop` must be a list of keys",
-            ),
-            (
-                "[keys]\nstop = [\n \"space\",\n 4]",
-                "my.toml:4: `stop` must be a list of keys",
-            ),
-            (
-                "[keys]\nstop = [\"spce\"]",
-                "my.toml:2: `spce` for `stop` is not a key",
-            ),
+            ("[keys]\nstop = 3", "my.toml:2: `stop` must be a list of keys"),
+            ("[keys]\nstop = [\n \"space\",\n 4]", "my.toml:4: `stop` must be a list of keys"),
+            ("[keys]\nstop = [\"spce\"]", "my.toml:2: `spce` for `stop` is not a key"),
             (
                 "[keys]\nstop = [\"space\"]\nquit = [\"q\"]\nrun = [\"q\"]",
                 "my.toml:4: the key `q` is given to `run` and, on line 3, to `quit`",
@@ -390,11 +346,7 @@ mod tests {
             ("[keys]\nstop = [\"space\"]", "my.toml: no key for `quit`"),
             ("", "my.toml: no key for `stop`"),
         ] {
-            assert!(
-                error(text).starts_with(says),
-                "{text:?} gave: {}",
-                error(text)
-            );
+            assert!(error(text).starts_with(says), "{text:?} gave: {}", error(text));
         }
     }
 }

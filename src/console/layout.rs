@@ -105,10 +105,7 @@ mod tests {
                     u32::from(cols) * u32::from(rows),
                     "{cols}x{rows}: regions overlap or leave holes: {regions:?}"
                 );
-                assert!(
-                    regions.map.width >= 30 && regions.map.height >= 6,
-                    "{cols}x{rows}"
-                );
+                assert!(regions.map.width >= 30 && regions.map.height >= 6, "{cols}x{rows}");
             }
         }
         assert_eq!(Regions::of(MIN_COLS - 1, 50), None);

@@ -43,10 +43,7 @@ pub enum Overlay {
 
 /// What the map shows besides the walls, the objects and the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each layer is shown or not, independently"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "each layer is shown or not, independently")]
 pub struct Layers {
     /// Contacts, where the outline is known already.
     pub contacts: bool,
@@ -60,12 +57,7 @@ pub struct Layers {
 
 impl Default for Layers {
     fn default() -> Self {
-        Self {
-            contacts: false,
-            trajectory: true,
-            plan: true,
-            rejected: false,
-        }
+        Self { contacts: false, trajectory: true, plan: true, rejected: false }
     }
 }
 

@@ -8,11 +8,7 @@ use std::borrow::Cow;
 pub(super) fn clean(text: &str) -> Cow<'_, str> {
     if text.chars().any(is_harmful) {
         let replace = |letter| {
-            if is_harmful(letter) {
-                '\u{fffd}'
-            } else {
-                letter
-            }
+            if is_harmful(letter) { '\u{fffd}' } else { letter }
         };
         Cow::Owned(text.chars().map(replace).collect())
     } else {

@@ -156,10 +156,7 @@ impl Theme {
                 Some(colour) if is_chip(role) => {
                     // Black on a colour reads on every palette; the bold face is for those
                     // terminals that cannot show the colour.
-                    Style::new()
-                        .fg(Color::Black)
-                        .bg(colour)
-                        .add_modifier(Modifier::BOLD)
+                    Style::new().fg(Color::Black).bg(colour).add_modifier(Modifier::BOLD)
                 }
                 Some(colour) => fg(colour).add_modifier(modifier_of(role)),
                 None => Style::new().add_modifier(modifier_of(role)),
@@ -171,11 +168,8 @@ impl Theme {
     #[must_use]
     pub fn mono() -> Self {
         Self::from_fn(|role| {
-            let modifier = if is_chip(role) {
-                Modifier::REVERSED | Modifier::BOLD
-            } else {
-                modifier_of(role)
-            };
+            let modifier =
+                if is_chip(role) { Modifier::REVERSED | Modifier::BOLD } else { modifier_of(role) };
             Style::new().add_modifier(modifier)
         })
     }
@@ -197,18 +191,13 @@ impl Theme {
     }
 
     fn from_fn(style: impl Fn(Role) -> Style) -> Self {
-        Self {
-            styles: Role::ALL.map(style),
-        }
+        Self { styles: Role::ALL.map(style) }
     }
 }
 
 /// Roles that fill their background, to be seen from across the room.
 fn is_chip(role: Role) -> bool {
-    matches!(
-        role,
-        Role::Running | Role::Paused | Role::Stopped | Role::Complete | Role::Failed
-    )
+    matches!(role, Role::Running | Role::Paused | Role::Stopped | Role::Complete | Role::Failed)
 }
 
 fn colour_of(role: Role) -> Option<Color> {
@@ -281,10 +270,7 @@ mod tests {
         letters.dedup();
         assert_eq!(letters.len(), Role::ALL.len(), "two roles share a letter");
         for (index, role) in Role::ALL.iter().enumerate() {
-            assert_eq!(
-                *role as usize, index,
-                "{role:?} is out of order in Role::ALL"
-            );
+            assert_eq!(*role as usize, index, "{role:?} is out of order in Role::ALL");
         }
     }
 

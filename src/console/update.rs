@@ -62,10 +62,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
                 perform(model, snapshot, action)
             } else {
                 let help = model.keymap.label(Action::Help);
-                refuse(
-                    model,
-                    format!("{key} does nothing here; {help} shows the keys"),
-                )
+                refuse(model, format!("{key} does nothing here; {help} shows the keys"))
             }
         }
         Overlay::Help(scroll) => press_in_help(model, key, action, scroll),
@@ -83,18 +80,11 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
 pub fn paste(model: &mut Model, text: &str) {
     if let Overlay::Line(line) = &mut model.overlay {
         line.extend(
-            text.lines()
-                .next()
-                .unwrap_or("")
-                .chars()
-                .filter(|letter| !letter.is_control()),
+            text.lines().next().unwrap_or("").chars().filter(|letter| !letter.is_control()),
         );
     } else {
         let line = model.keymap.label(Action::CommandLine);
-        refuse(
-            model,
-            format!("pasted text is ignored here; {line} opens the command line"),
-        );
+        refuse(model, format!("pasted text is ignored here; {line} opens the command line"));
     }
 }
 
@@ -140,18 +130,12 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
 }
 
 fn tell(model: &mut Model, text: String) -> Vec<Effect> {
-    model.hint = Some(Hint {
-        text,
-        refusal: false,
-    });
+    model.hint = Some(Hint { text, refusal: false });
     Vec::new()
 }
 
 fn refuse(model: &mut Model, text: String) -> Vec<Effect> {
-    model.hint = Some(Hint {
-        text,
-        refusal: true,
-    });
+    model.hint = Some(Hint { text, refusal: true });
     Vec::new()
 }
 
@@ -224,25 +208,17 @@ fn look(model: &mut Model, snapshot: &Snapshot, action: Action) {
     let view = viewport(&model.camera, snapshot, regions.map);
     let center = view.center;
     let zoomed = |factor: f64| {
-        let scale = (view.scale * factor).clamp(
-            super::canvas::viewport::FINEST,
-            super::canvas::viewport::COARSEST,
-        );
+        let scale = (view.scale * factor)
+            .clamp(super::canvas::viewport::FINEST, super::canvas::viewport::COARSEST);
         match model.camera {
-            Camera::Follow { .. } => Camera::Follow {
-                scale,
-                around: center,
-            },
+            Camera::Follow { .. } => Camera::Follow { scale, around: center },
             Camera::Fit | Camera::Free { .. } => Camera::Free { scale, center },
         }
     };
     model.camera = match action {
         Action::ZoomIn => zoomed(1.0 / ZOOM),
         Action::ZoomOut => zoomed(ZOOM),
-        Action::Follow => Camera::Follow {
-            scale: view.scale,
-            around: center,
-        },
+        Action::Follow => Camera::Follow { scale: view.scale, around: center },
         _ => Camera::Fit,
     };
 }
@@ -253,10 +229,7 @@ fn pan(model: &mut Model, snapshot: &Snapshot, direction: Vector) {
         let view = viewport(&model.camera, snapshot, regions.map);
         let step = Vector::new(view.x_range() * PAN, view.y_range() * PAN);
         let center = view.center + direction.component_mul(&step);
-        model.camera = Camera::Free {
-            scale: view.scale,
-            center,
-        };
+        model.camera = Camera::Free { scale: view.scale, center };
     }
 }
 

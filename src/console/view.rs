@@ -76,12 +76,7 @@ fn draw_rules(regions: &Regions, snapshot: &Snapshot, theme: &Theme, buf: &mut B
     let joint = if regions.log_at_side { branch } else { tee_up };
     pen.text(side.x, regions.log_rule.y, joint, Role::Rule);
     pen.text(side.x + 2, regions.top_rule.y, " robot ", Role::Title);
-    pen.text(
-        regions.log_rule.x + 2,
-        regions.log_rule.y,
-        " log ",
-        Role::Title,
-    );
+    pen.text(regions.log_rule.x + 2, regions.log_rule.y, " log ", Role::Title);
 }
 
 fn draw_too_small(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {

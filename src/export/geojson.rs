@@ -80,11 +80,7 @@ fn object(object: &MappedObject) -> Option<Value> {
     // The closing chord of an open outline is nobody's surface, and is left out.
     let mut chain = object.outline.to_points(super::SAGITTA);
     if chain.len() < 2 {
-        chain = object
-            .contacts
-            .iter()
-            .map(|contact| contact.point)
-            .collect();
+        chain = object.contacts.iter().map(|contact| contact.point).collect();
     }
     open("object_open", &chain, more)
 }
@@ -106,12 +102,7 @@ fn plan_line(line: &PlanLine) -> Value {
         "wall_start": position(line.start),
         "wall_end": position(line.end),
     });
-    feature(
-        "plan",
-        "LineString",
-        json!([position(from), position(to)]),
-        more,
-    )
+    feature("plan", "LineString", json!([position(from), position(to)]), more)
 }
 
 /// A vertex of the trajectory: believed and, with a simulator, true position.
@@ -131,10 +122,8 @@ fn paths(record: &RunRecord<'_>) -> Vec<Value> {
     while first + 1 < vertices.len() {
         // A piece of trajectory belongs to the phase in which it ended.
         let boundary = vertices[first + 1].boundary;
-        let run = vertices[first + 1..]
-            .iter()
-            .take_while(|vertex| vertex.boundary == boundary)
-            .count();
+        let run =
+            vertices[first + 1..].iter().take_while(|vertex| vertex.boundary == boundary).count();
         let stretch = &vertices[first..=first + run];
         let more = json!({ "phase": if boundary { "boundary" } else { "objects" } });
         let believed: Vec<[f64; 2]> = stretch.iter().map(|vertex| vertex.believed).collect();
@@ -184,10 +173,7 @@ mod tests {
     }
 
     fn role<'a>(features: &'a [Value], role: &str) -> Vec<&'a Value> {
-        features
-            .iter()
-            .filter(|feature| feature["properties"]["role"] == role)
-            .collect()
+        features.iter().filter(|feature| feature["properties"]["role"] == role).collect()
     }
 
     #[test]
@@ -202,11 +188,7 @@ mod tests {
             let count = |f: &Value| f["geometry"]["coordinates"].as_array().map_or(0, Vec::len);
             assert_eq!(count(path), count(truth), "vertex by vertex");
         }
-        let line = |k: usize| {
-            paths[k]["geometry"]["coordinates"]
-                .as_array()
-                .expect("line")
-        };
+        let line = |k: usize| paths[k]["geometry"]["coordinates"].as_array().expect("line");
         assert_eq!(line(0).last(), line(1).first(), "no gap between stretches");
     }
 
@@ -215,9 +197,7 @@ mod tests {
         let sample = sample::room();
         let features = parsed(&sample.record());
         let column = role(&features, "object")[0];
-        let ring = column["geometry"]["coordinates"][0]
-            .as_array()
-            .expect("ring");
+        let ring = column["geometry"]["coordinates"][0].as_array().expect("ring");
         assert_eq!(ring.first(), ring.last(), "rings are closed");
         for pair in ring.windows(2) {
             let mid = |axis: usize| {
@@ -250,10 +230,7 @@ mod tests {
         }
         let features = parsed(&sample.record());
         let lines = role(&features, "plan");
-        assert_eq!(
-            lines.len(),
-            sample.map.plan.as_ref().expect("plan").lines.len()
-        );
+        assert_eq!(lines.len(), sample.map.plan.as_ref().expect("plan").lines.len());
         let rejected = lines
             .iter()
             .find(|line| line["properties"]["status"] == "rejected")

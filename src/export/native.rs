@@ -141,21 +141,13 @@ impl MapFile {
             ],
             class: shape.map(|shape| shape.class),
             boundary: boundary(map).map(|ring| Outline::of(&ring)),
-            parts: if parts.len() > 1 {
-                parts.iter().map(PartFile::of).collect()
-            } else {
-                vec![]
-            },
+            parts: if parts.len() > 1 { parts.iter().map(PartFile::of).collect() } else { vec![] },
             objects: map
                 .objects
                 .iter()
                 .map(|object| ObjectFile {
                     id: object.id,
-                    class: if object.closed {
-                        object.class
-                    } else {
-                        ObjectClass::Open
-                    },
+                    class: if object.closed { object.class } else { ObjectClass::Open },
                     outline: Outline::of(&object.outline),
                 })
                 .collect(),
@@ -187,9 +179,7 @@ impl MapFile {
         };
         let version: Version = serde_json::from_str(text).map_err(form)?;
         if version.periplus_map > VERSION {
-            return Err(NativeError::Newer {
-                found: version.periplus_map,
-            });
+            return Err(NativeError::Newer { found: version.periplus_map });
         }
         serde_json::from_str(text).map_err(form)
     }
@@ -203,16 +193,8 @@ impl PartFile {
             Outline::Vertices(vertices) => vertices.len() == part.ring.pieces.len(),
             Outline::Circle { .. } => false,
         };
-        let cuts = part
-            .cut
-            .iter()
-            .enumerate()
-            .filter(|&(_, &cut)| cut && whole);
-        Self {
-            class: part.class,
-            cuts: cuts.map(|(k, _)| k).collect(),
-            outline,
-        }
+        let cuts = part.cut.iter().enumerate().filter(|&(_, &cut)| cut && whole);
+        Self { class: part.class, cuts: cuts.map(|(k, _)| k).collect(), outline }
     }
 }
 
@@ -231,14 +213,7 @@ impl Outline {
     /// The outline of a ring.
     #[must_use]
     pub fn of(ring: &Ring) -> Self {
-        if let [
-            Piece::Arc {
-                center,
-                radius,
-                sweep,
-                ..
-            },
-        ] = ring.pieces[..]
+        if let [Piece::Arc { center, radius, sweep, .. }] = ring.pieces[..]
             && sweep.abs() > angle::TAU - 1e-6
         {
             let circle = [center.x, center.y, radius].map(|value| rounded(value, 4));
@@ -251,18 +226,14 @@ impl Outline {
     #[must_use]
     pub fn ring(&self) -> Ring {
         match self {
-            Self::Circle {
-                circle: [x, y, radius],
-            } => Ring::circle(Point::new(*x, *y), *radius),
+            Self::Circle { circle: [x, y, radius] } => Ring::circle(Point::new(*x, *y), *radius),
             Self::Vertices(vertices) => {
                 let piece = |k: usize| {
                     let (from, bulge) = vertices[k].parts();
                     let (to, _) = vertices[(k + 1) % vertices.len()].parts();
                     Piece::with_bulge(from, to, bulge)
                 };
-                Ring {
-                    pieces: (0..vertices.len()).map(piece).collect(),
-                }
+                Ring { pieces: (0..vertices.len()).map(piece).collect() }
             }
         }
     }
@@ -308,23 +279,14 @@ mod tests {
         let back = MapFile::parse(&map.write()).expect("its own text");
         assert_eq!(map, back);
         let ring = back.boundary.expect("a boundary").ring();
-        assert!(
-            (ring.area() - sample::outline().area()).abs() < 1e-3,
-            "area {}",
-            ring.area()
-        );
+        assert!((ring.area() - sample::outline().area()).abs() < 1e-3, "area {}", ring.area());
     }
 
     #[test]
     fn a_long_arc_survives_the_rounding() {
         let keyhole = Ring {
             pieces: vec![
-                Piece::Arc {
-                    center: Point::new(0.0, 0.0),
-                    radius: 2.0,
-                    start: 0.1,
-                    sweep: 6.0,
-                },
+                Piece::Arc { center: Point::new(0.0, 0.0), radius: 2.0, start: 0.1, sweep: 6.0 },
                 Piece::Line {
                     from: Point::from(angle::unit(6.1) * 2.0),
                     to: Point::from(angle::unit(0.1) * 2.0),
@@ -332,11 +294,7 @@ mod tests {
             ],
         };
         let back = Outline::of(&keyhole).ring();
-        assert!(
-            (back.area() - keyhole.area()).abs() < 2e-3,
-            "area {}",
-            back.area()
-        );
+        assert!((back.area() - keyhole.area()).abs() < 2e-3, "area {}", back.area());
     }
 
     #[test]
@@ -350,13 +308,7 @@ mod tests {
             .collect();
         sample.map.objects.clear();
         sample.map.shape.as_mut().expect("a shape").outline = Ring::polygon(&corners);
-        sample
-            .map
-            .shape
-            .as_mut()
-            .expect("a shape")
-            .parts
-            .truncate(1);
+        sample.map.shape.as_mut().expect("a shape").parts.truncate(1);
         let bytes = MapFile::of(&sample.record()).write().len();
         assert!((900..1400).contains(&bytes), "{bytes} bytes");
     }

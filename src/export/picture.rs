@@ -51,10 +51,7 @@ impl Frame {
     #[must_use]
     pub fn at(&self, point: Point) -> (f64, f64) {
         let from = point - self.corner;
-        (
-            self.offset.0 + from.x * self.scale,
-            self.offset.1 - from.y * self.scale,
-        )
+        (self.offset.0 + from.x * self.scale, self.offset.1 - from.y * self.scale)
     }
 
     /// Path data of a closed outline; arcs stay arcs.
@@ -89,11 +86,7 @@ impl Frame {
                 Some((a, b)) if angle::hypot(x - a, y - b) < 0.5 => pending = Some((x, y)),
                 _ => {
                     // Writing to a string cannot fail.
-                    let _ = write!(
-                        out,
-                        "{}{x:.1} {y:.1}",
-                        if last.is_some() { 'L' } else { 'M' }
-                    );
+                    let _ = write!(out, "{}{x:.1} {y:.1}", if last.is_some() { 'L' } else { 'M' });
                     last = Some((x, y));
                     pending = None;
                 }
@@ -150,13 +143,7 @@ mod tests {
         // Counter-clockwise from left to right passes below; on the sheet that is larger y.
         let (_, middle) = frame.at(arc.at(0.5));
         let data = frame.single(&arc);
-        assert!(
-            data.contains(&format!(" 0 0 0 390.0 {middle:.1}")),
-            "{data}"
-        );
-        assert!(
-            middle > 700.0,
-            "the arc's middle lies at the bottom: {middle}"
-        );
+        assert!(data.contains(&format!(" 0 0 0 390.0 {middle:.1}")), "{data}");
+        assert!(middle > 700.0, "the arc's middle lies at the bottom: {middle}");
     }
 }

@@ -32,24 +32,13 @@ pub enum PngError {
 /// # Errors
 /// When the drawing is no SVG or has no size.
 pub fn render(svg: &str, width: u32) -> Result<Vec<u8>, PngError> {
-    let tree = Tree::from_str(svg, &Options::default()).map_err(|error| PngError::Drawing {
-        reason: error.to_string(),
-    })?;
+    let tree = Tree::from_str(svg, &Options::default())
+        .map_err(|error| PngError::Drawing { reason: error.to_string() })?;
     let size = tree.size();
     let scale = (width as f32 / size.width()).min(HIGHEST / size.height());
     let pixels = |extent: f32| (extent * scale).ceil().max(1.0) as u32;
-    let mut picture =
-        Pixmap::new(pixels(size.width()), pixels(size.height())).ok_or_else(|| {
-            PngError::Picture {
-                reason: "it has no size".to_owned(),
-            }
-        })?;
-    resvg::render(
-        &tree,
-        Transform::from_scale(scale, scale),
-        &mut picture.as_mut(),
-    );
-    picture.encode_png().map_err(|error| PngError::Picture {
-        reason: error.to_string(),
-    })
+    let mut picture = Pixmap::new(pixels(size.width()), pixels(size.height()))
+        .ok_or_else(|| PngError::Picture { reason: "it has no size".to_owned() })?;
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
+    picture.encode_png().map_err(|error| PngError::Picture { reason: error.to_string() })
 }

@@ -35,12 +35,7 @@ pub fn measure(ring: &Ring) -> Option<Measure> {
     }
     let (width, length, middle) = best;
     if !width.is_finite() {
-        return Some(Measure {
-            center: first,
-            width: 0.0,
-            length: 0.0,
-            area: 0.0,
-        });
+        return Some(Measure { center: first, width: 0.0, length: 0.0, area: 0.0 });
     }
     Some(Measure {
         center: centroid(&points).unwrap_or(middle),
@@ -56,9 +51,7 @@ fn box_along(hull: &[Point], ahead: Vector) -> (f64, f64, Point) {
     let range = |axis: Vector| {
         hull.iter()
             .map(|p| p.coords.dot(&axis))
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            })
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     };
     let (a, b) = range(ahead);
     let (c, d) = range(left);
@@ -120,42 +113,26 @@ mod tests {
     fn a_tilted_box_is_measured_along_its_own_sides() {
         let tilted = Pose::new(3.0, -1.0, 0.4);
         let corner = |x: f64, y: f64| tilted.to_world(Point::new(x, y));
-        let corners = [
-            corner(0.0, 0.0),
-            corner(0.6, 0.0),
-            corner(0.6, 0.25),
-            corner(0.0, 0.25),
-        ];
+        let corners = [corner(0.0, 0.0), corner(0.6, 0.0), corner(0.6, 0.25), corner(0.0, 0.25)];
         let size = measure(&Ring::polygon(&corners)).expect("a box has a size");
         assert!((size.length - 0.6).abs() < 1e-9, "length {}", size.length);
         assert!((size.width - 0.25).abs() < 1e-9, "width {}", size.width);
         assert!((size.area - 0.15).abs() < 1e-9, "area {}", size.area);
-        assert!(
-            (size.center - corner(0.3, 0.125)).norm() < 1e-9,
-            "centre {}",
-            size.center
-        );
+        assert!((size.center - corner(0.3, 0.125)).norm() < 1e-9, "centre {}", size.center);
     }
 
     #[test]
     fn a_circle_is_as_wide_as_long() {
         let size = measure(&Ring::circle(Point::new(1.0, 2.0), 0.2)).expect("a circle has a size");
         assert!((size.width - 0.4).abs() < 0.002, "width {}", size.width);
-        assert!(
-            (size.center - Point::new(1.0, 2.0)).norm() < 1e-6,
-            "centre {}",
-            size.center
-        );
+        assert!((size.center - Point::new(1.0, 2.0)).norm() < 1e-6, "centre {}", size.center);
     }
 
     #[test]
     fn what_has_no_area_has_no_width() {
         let line = Ring::polygon(&[Point::new(0.0, 0.0), Point::new(1.0, 0.0)]);
         let size = measure(&line).expect("two points have a length");
-        assert!(
-            size.width.abs() < 1e-12 && (size.length - 1.0).abs() < 1e-12,
-            "{size:?}"
-        );
+        assert!(size.width.abs() < 1e-12 && (size.length - 1.0).abs() < 1e-12, "{size:?}");
         assert!(measure(&Ring::default()).is_none(), "nothing has no size");
     }
 }

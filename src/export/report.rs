@@ -122,10 +122,7 @@ impl<'a> Report<'a> {
             phases: phases(record),
             boundary: outline(record),
             shape: map.shape.as_ref().map(shape),
-            plan: map
-                .plan
-                .as_ref()
-                .map(|plan| plan_report(plan, map.hidden_disc)),
+            plan: map.plan.as_ref().map(|plan| plan_report(plan, map.hidden_disc)),
             objects: objects(record),
             passable_gap_m: rounded(record.settings.chassis.passable_gap(), 4),
             bumps: record.bumps,
@@ -272,10 +269,7 @@ mod tests {
             "/map_bytes",
             "/wall_s",
         ] {
-            assert!(
-                report.pointer(key).is_some(),
-                "{key} is missing in {report:#}"
-            );
+            assert!(report.pointer(key).is_some(), "{key} is missing in {report:#}");
         }
         assert_eq!(report["outcome"], "complete");
         assert_eq!(report["map_bytes"], 1234);
@@ -287,11 +281,7 @@ mod tests {
         sample.map = crate::mapping::map::RoomMap::default();
         let report = parsed(&sample.record());
         for key in ["boundary", "shape", "plan"] {
-            assert!(
-                report[key].is_null(),
-                "{key} of an empty map is {}",
-                report[key]
-            );
+            assert!(report[key].is_null(), "{key} of an empty map is {}", report[key]);
         }
     }
 

@@ -54,21 +54,14 @@ impl Sample {
 /// The outline: 4 by 3 m, the upper right corner rounded with a radius of 1 m.
 pub(crate) fn outline() -> Ring {
     let quarter = 0.414_213_562_373_095_03;
-    let vertices = [
-        (0.0, 0.0, 0.0),
-        (4.0, 0.0, 0.0),
-        (4.0, 2.0, quarter),
-        (3.0, 3.0, 0.0),
-        (0.0, 3.0, 0.0),
-    ];
+    let vertices =
+        [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 2.0, quarter), (3.0, 3.0, 0.0), (0.0, 3.0, 0.0)];
     let piece = |k: usize| {
         let (x, y, bulge) = vertices[k];
         let (to_x, to_y, _) = vertices[(k + 1) % vertices.len()];
         Piece::with_bulge(Point::new(x, y), Point::new(to_x, to_y), bulge)
     };
-    Ring {
-        pieces: (0..vertices.len()).map(piece).collect(),
-    }
+    Ring { pieces: (0..vertices.len()).map(piece).collect() }
 }
 
 pub(crate) fn room() -> Sample {
@@ -88,33 +81,18 @@ pub(crate) fn room() -> Sample {
     let map = RoomMap {
         contacts: outline.to_points(0.01).into_iter().map(contact).collect(),
         closed: true,
-        misclosure: Some(Misclosure {
-            dx: 0.012,
-            dy: -0.004,
-            heading: 0.003,
-            lap: 12.6,
-        }),
+        misclosure: Some(Misclosure { dx: 0.012, dy: -0.004, heading: 0.003, lap: 12.6 }),
         shape: Some(shape(outline)),
         plan: Some(plan()),
         objects: objects(),
         path,
         hidden_disc: Some(0.21),
     };
-    Sample {
-        map,
-        settings,
-        truth,
-    }
+    Sample { map, settings, truth }
 }
 
 fn contact(point: Point) -> Contact {
-    Contact {
-        point,
-        from: point,
-        sensor: Some(2),
-        kind: ContactKind::Range,
-        time: 1.0,
-    }
+    Contact { point, from: point, sensor: Some(2), kind: ContactKind::Range, time: 1.0 }
 }
 
 fn shape(outline: Ring) -> Shape {
@@ -124,12 +102,7 @@ fn shape(outline: Ring) -> Shape {
         class: ShapeClass::Complex,
         vertices,
         parts: vec![
-            Part {
-                class: PartClass::Convex,
-                ring: outline.clone(),
-                cut,
-                circle: None,
-            },
+            Part { class: PartClass::Convex, ring: outline.clone(), cut, circle: None },
             Part {
                 class: PartClass::Sector,
                 ring: Ring::polygon(&[
@@ -151,52 +124,17 @@ fn plan() -> Plan {
         let ahead = (end - start).normalize();
         let drive =
             (status != LineStatus::Rejected).then_some((start + ahead * 0.15, end - ahead * 0.15));
-        PlanLine {
-            id,
-            part: 0,
-            vertex: 0,
-            start,
-            end,
-            angle,
-            drive,
-            status,
-            reason,
-        }
+        PlanLine { id, part: 0, vertex: 0, start, end, angle, drive, status, reason }
     };
     let lines = vec![
-        line(
-            1,
-            (0.0, 0.0),
-            (4.0, 0.0),
-            0.0,
-            LineStatus::Rejected,
-            Some(LineReason::AlongBoundary),
-        ),
+        line(1, (0.0, 0.0), (4.0, 0.0), 0.0, LineStatus::Rejected, Some(LineReason::AlongBoundary)),
         line(2, (0.0, 0.0), (4.0, 1.0), 0.245, LineStatus::Driven, None),
         line(3, (0.0, 0.0), (4.0, 2.0), 0.4636, LineStatus::Planned, None),
-        line(
-            4,
-            (0.0, 0.0),
-            (2.5, 3.0),
-            0.876,
-            LineStatus::Blocked,
-            Some(LineReason::ObjectOnLine),
-        ),
-        line(
-            5,
-            (0.0, 0.0),
-            (1.0, 3.0),
-            1.249,
-            LineStatus::Skipped,
-            Some(LineReason::Redundant),
-        ),
+        line(4, (0.0, 0.0), (2.5, 3.0), 0.876, LineStatus::Blocked, Some(LineReason::ObjectOnLine)),
+        line(5, (0.0, 0.0), (1.0, 3.0), 1.249, LineStatus::Skipped, Some(LineReason::Redundant)),
     ];
-    let figures = |strategy, lines, length, hidden_disc| PlanFigures {
-        strategy,
-        lines,
-        length,
-        hidden_disc,
-    };
+    let figures =
+        |strategy, lines, length, hidden_disc| PlanFigures { strategy, lines, length, hidden_disc };
     Plan {
         alpha: 0.25,
         lines,
@@ -222,12 +160,7 @@ fn objects() -> Vec<MappedObject> {
     let half_seen = [(2.0, 2.2), (2.2, 2.4), (2.0, 2.5)];
     let chain: Vec<Point> = half_seen.iter().map(|&(x, y)| Point::new(x, y)).collect();
     vec![
-        object(
-            1,
-            ObjectClass::Circle,
-            Ring::circle(COLUMN.0, COLUMN.1),
-            true,
-        ),
+        object(1, ObjectClass::Circle, Ring::circle(COLUMN.0, COLUMN.1), true),
         object(2, ObjectClass::Rectangle, Ring::polygon(&corners), true),
         object(3, ObjectClass::Open, Ring::polygon(&chain), false),
     ]
@@ -253,24 +186,14 @@ fn path() -> Vec<PathPoint> {
     let mut points = Vec::new();
     let mut time_us = 0;
     for pair in stops.windows(2) {
-        let (from, to) = (
-            Point::new(pair[0].0, pair[0].1),
-            Point::new(pair[1].0, pair[1].1),
-        );
+        let (from, to) = (Point::new(pair[0].0, pair[0].1), Point::new(pair[1].0, pair[1].1));
         let heading = crate::geometry::angle::of(to - from);
         let steps = (((to - from).norm() / 0.1).ceil() as u32).max(1);
         for k in 0..steps {
             let at = from + (to - from) * (f64::from(k) / f64::from(steps));
-            let pose = Pose {
-                position: at,
-                heading,
-            };
+            let pose = Pose { position: at, heading };
             let phase = if k == 0 { pair[0].2 } else { pair[1].2 };
-            points.push(PathPoint {
-                pose,
-                time_us,
-                phase,
-            });
+            points.push(PathPoint { pose, time_us, phase });
             time_us += 500_000;
         }
     }

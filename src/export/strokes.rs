@@ -48,10 +48,7 @@ fn glyph(letter: char) -> &'static Glyph {
 /// Width of a text with capitals of `height` pixels, in pixels.
 #[must_use]
 pub fn width(text: &str, height: f64) -> f64 {
-    let units: f64 = text
-        .chars()
-        .map(|letter| glyph(letter).width + SPACING)
-        .sum();
+    let units: f64 = text.chars().map(|letter| glyph(letter).width + SPACING).sum();
     (units - SPACING).max(0.0) * height / CAP
 }
 
@@ -79,11 +76,7 @@ impl Lettering {
             if !shape.strokes.is_empty() {
                 self.used.insert(shape.letter);
                 // Writing to a string cannot fail.
-                let _ = write!(
-                    out,
-                    "<use href=\"#g{:x}\" x=\"{at:.1}\"/>",
-                    shape.letter as u32
-                );
+                let _ = write!(out, "<use href=\"#g{:x}\" x=\"{at:.1}\"/>", shape.letter as u32);
             }
             at += shape.width + SPACING;
         }
@@ -127,10 +120,8 @@ mod tests {
 
     #[test]
     fn every_letter_that_a_picture_needs_has_strokes() {
-        let letters = ('a'..='z')
-            .chain('A'..='Z')
-            .chain('0'..='9')
-            .chain(".,:;-–/()%+=°²×·α'_!?#".chars());
+        let letters =
+            ('a'..='z').chain('A'..='Z').chain('0'..='9').chain(".,:;-–/()%+=°²×·α'_!?#".chars());
         for letter in letters {
             let shape = glyph(letter);
             assert_eq!(shape.letter, letter, "no glyph for `{letter}`");
@@ -142,22 +133,14 @@ mod tests {
     fn no_two_glyphs_are_for_the_same_letter() {
         let mut seen = BTreeSet::new();
         for shape in GLYPHS {
-            assert!(
-                seen.insert(shape.letter),
-                "two glyphs for `{}`",
-                shape.letter
-            );
+            assert!(seen.insert(shape.letter), "two glyphs for `{}`", shape.letter);
         }
     }
 
     #[test]
     fn text_from_outside_cannot_break_the_picture() {
         let mut letters = Lettering::default();
-        let style = Style {
-            height: 10.0,
-            weight: 0.1,
-            color: "#000",
-        };
+        let style = Style { height: 10.0, weight: 0.1, color: "#000" };
         let out = letters.text("<&\"\u{7}ß", 0.0, 0.0, Anchor::Start, style);
         assert!(out.contains("aria-label=\"&lt;&amp;&quot; ß\""), "{out}");
     }

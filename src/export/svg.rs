@@ -24,11 +24,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self {
-            trajectory: true,
-            rejected: false,
-            vertex: None,
-        }
+        Self { trajectory: true, rejected: false, vertex: None }
     }
 }
 
@@ -36,11 +32,7 @@ impl Options {
     /// The plan as the paper's figures draw it: no trajectory, rejected lines dashed.
     #[must_use]
     pub fn plan_drawing() -> Self {
-        Self {
-            trajectory: false,
-            rejected: true,
-            vertex: None,
-        }
+        Self { trajectory: false, rejected: true, vertex: None }
     }
 }
 
@@ -63,16 +55,8 @@ mod color {
     pub(super) const START: &str = "#1f7a4d";
 }
 
-const TITLE: Style = Style {
-    height: 17.0,
-    weight: 0.13,
-    color: color::INK,
-};
-const FIGURES: Style = Style {
-    height: 9.0,
-    weight: 0.11,
-    color: color::FAINT,
-};
+const TITLE: Style = Style { height: 17.0, weight: 0.13, color: color::INK };
+const FIGURES: Style = Style { height: 9.0, weight: 0.11, color: color::FAINT };
 /// Margin of the sheet, pixels.
 const MARGIN: f64 = 34.0;
 /// Least width of the sheet, pixels: the figures need it.
@@ -98,11 +82,7 @@ pub fn write(record: &RunRecord<'_>, options: &Options) -> String {
     );
     out.push_str(&letters.definitions());
     // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
-        "<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>",
-        color::PAPER
-    );
+    let _ = writeln!(out, "<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>", color::PAPER);
     out.push_str(&head);
     out.push_str(&map);
     out.push_str(&foot);
@@ -115,10 +95,7 @@ fn extent(record: &RunRecord<'_>) -> (Point, Point) {
     let mut points: Vec<Point> = vec![record.settings.start.position];
     points.extend(record.map.path.iter().map(|point| point.pose.position));
     points.extend(record.map.contacts.iter().map(|contact| contact.point));
-    for ring in boundary(record.map)
-        .iter()
-        .chain(record.map.objects.iter().map(|o| &o.outline))
-    {
+    for ring in boundary(record.map).iter().chain(record.map.objects.iter().map(|o| &o.outline)) {
         points.extend(ring.bounds().map_or(vec![], |(low, high)| vec![low, high]));
     }
     points.retain(|point| point.iter().all(|value| value.is_finite()));

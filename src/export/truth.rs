@@ -57,10 +57,7 @@ mod tests {
         assert_eq!(x, [0.0, 0.0, 0.5, 1.0, 1.0, 1.0]);
         assert_eq!(y, [0.0, 0.0, 1.0, 2.0, 3.0, 4.0]);
         let halfway = found[2].heading;
-        assert!(
-            (halfway.abs() - angle::PI).abs() < 1e-9,
-            "turned the long way: {halfway}"
-        );
+        assert!((halfway.abs() - angle::PI).abs() < 1e-9, "turned the long way: {halfway}");
         assert!(along(&path(&[5]), &[]).is_none(), "no truth was made up");
     }
 }

@@ -91,16 +91,10 @@ mod tests {
             let angle = f64::from(k) * 0.37;
             let wrapped = wrap(angle);
             assert!(wrapped > -PI && wrapped <= PI, "{angle} became {wrapped}");
-            assert!(
-                (unit(angle) - unit(wrapped)).norm() < 1e-12,
-                "{angle} became {wrapped}"
-            );
+            assert!((unit(angle) - unit(wrapped)).norm() < 1e-12, "{angle} became {wrapped}");
             let positive = wrap_positive(angle);
             assert!((0.0..TAU).contains(&positive), "{angle} became {positive}");
-            assert!(
-                (unit(angle) - unit(positive)).norm() < 1e-12,
-                "{angle} became {positive}"
-            );
+            assert!((unit(angle) - unit(positive)).norm() < 1e-12, "{angle} became {positive}");
         }
         assert_eq!(wrap(PI), PI);
         assert!((wrap(-PI) - PI).abs() < 1e-15, "{}", wrap(-PI));

@@ -240,9 +240,7 @@ mod tests {
 
     #[test]
     fn points_on_a_line_make_no_small_circle() {
-        let points: Vec<Point> = (0..9)
-            .map(|k| Point::new(f64::from(k) * 0.1, 1.0))
-            .collect();
+        let points: Vec<Point> = (0..9).map(|k| Point::new(f64::from(k) * 0.1, 1.0)).collect();
         let fit = Moments::of(&points).circle();
         assert!(fit.is_none_or(|c| c.radius > 1e3), "{fit:?}");
         assert!(Moments::of(&points[..1]).line().is_none());

@@ -70,18 +70,11 @@ mod tests {
 
     #[test]
     fn the_march_wraps_a_square_with_things_inside_and_on_its_edges() {
-        let points: Vec<Point> = [
-            (1.0, 1.0),
-            (0.0, 0.0),
-            (2.0, 0.0),
-            (1.0, 0.0),
-            (2.0, 2.0),
-            (0.0, 2.0),
-            (0.0, 0.0),
-        ]
-        .iter()
-        .map(|&(x, y)| Point::new(x, y))
-        .collect();
+        let points: Vec<Point> =
+            [(1.0, 1.0), (0.0, 0.0), (2.0, 0.0), (1.0, 0.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0)]
+                .iter()
+                .map(|&(x, y)| Point::new(x, y))
+                .collect();
         let hull = jarvis(&points);
         let corners: Vec<Point> = hull.iter().map(|&k| points[k]).collect();
         assert_eq!(
@@ -100,9 +93,6 @@ mod tests {
     fn few_points_do_no_harm() {
         assert!(jarvis(&[]).is_empty());
         assert_eq!(jarvis(&[Point::new(1.0, 2.0)]), [0]);
-        assert_eq!(
-            deepest_bay(&[Point::new(1.0, 2.0), Point::new(3.0, 1.0)]),
-            0.0
-        );
+        assert_eq!(deepest_bay(&[Point::new(1.0, 2.0), Point::new(3.0, 1.0)]), 0.0);
     }
 }

@@ -52,12 +52,7 @@ impl SegmentIndex {
             entries[*slot as usize] = number;
             *slot += 1;
         }
-        Self {
-            segments,
-            grid,
-            starts,
-            entries,
-        }
+        Self { segments, grid, starts, entries }
     }
 
     /// All segments, in the order given.
@@ -131,11 +126,7 @@ impl SegmentIndex {
     }
 
     fn brute(&self, p: Point) -> f64 {
-        self.segments
-            .iter()
-            .map(|s| s.distance_squared(p))
-            .fold(f64::INFINITY, f64::min)
-            .sqrt()
+        self.segments.iter().map(|s| s.distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
     }
 }
 

@@ -16,10 +16,7 @@ impl Pose {
     /// A pose at (`x`, `y`) metres facing `heading` radians.
     #[must_use]
     pub fn new(x: f64, y: f64, heading: f64) -> Self {
-        Self {
-            position: Point::new(x, y),
-            heading,
-        }
+        Self { position: Point::new(x, y), heading }
     }
 
     /// Unit vector of the heading.
@@ -52,18 +49,12 @@ impl Pose {
     /// This pose driven `distance` metres straight ahead.
     #[must_use]
     pub fn advanced(&self, distance: f64) -> Self {
-        Self {
-            position: self.position + self.direction() * distance,
-            heading: self.heading,
-        }
+        Self { position: self.position + self.direction() * distance, heading: self.heading }
     }
 
     /// This pose turned counter-clockwise by `by` radians, heading wrapped.
     #[must_use]
     pub fn turned(&self, by: f64) -> Self {
-        Self {
-            position: self.position,
-            heading: angle::wrap(self.heading + by),
-        }
+        Self { position: self.position, heading: angle::wrap(self.heading + by) }
     }
 }

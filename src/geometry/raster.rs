@@ -133,18 +133,8 @@ impl Slice {
         let side = along
             .try_normalize(1e-12)
             .map_or_else(Vector::zeros, |u| Vector::new(-u.y, u.x) * radius);
-        let slope = if along.y.abs() > 1e-12 {
-            along.x / along.y
-        } else {
-            f64::INFINITY
-        };
-        Self {
-            a,
-            b,
-            radius,
-            side,
-            slope,
-        }
+        let slope = if along.y.abs() > 1e-12 { along.x / along.y } else { f64::INFINITY };
+        Self { a, b, radius, side, slope }
     }
 
     fn at(&self, y: f64) -> Option<(f64, f64)> {
@@ -191,18 +181,11 @@ impl Nearest {
     /// nearest in it. What is left in a small block is measured from every cell.
     #[must_use]
     pub fn new(grid: &Grid, segments: &[Segment]) -> Self {
-        let mut field = Self {
-            which: vec![u32::MAX; grid.len()],
-            squared: vec![f32::INFINITY; grid.len()],
-        };
+        let mut field =
+            Self { which: vec![u32::MAX; grid.len()], squared: vec![f32::INFINITY; grid.len()] };
         let mut stack: Vec<u32> = (0..segments.len() as u32).collect();
         if !stack.is_empty() {
-            let whole = Block {
-                x: 0,
-                y: 0,
-                width: grid.width,
-                height: grid.height,
-            };
+            let whole = Block { x: 0, y: 0, width: grid.width, height: grid.height };
             field.fill(grid, segments, &whole, &mut stack, 0);
         }
         field
@@ -294,20 +277,12 @@ impl Block {
         let (near, far) = if self.width >= self.height {
             let w = cut(self.width);
             let near = Self { width: w, ..*self };
-            let far = Self {
-                x: self.x + w,
-                width: self.width - w,
-                ..*self
-            };
+            let far = Self { x: self.x + w, width: self.width - w, ..*self };
             (near, far)
         } else {
             let h = cut(self.height);
             let near = Self { height: h, ..*self };
-            let far = Self {
-                y: self.y + h,
-                height: self.height - h,
-                ..*self
-            };
+            let far = Self { y: self.y + h, height: self.height - h, ..*self };
             (near, far)
         };
         [near, far].map(|b| (b.width > 0 && b.height > 0).then_some(b))

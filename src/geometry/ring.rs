@@ -33,12 +33,7 @@ impl Piece {
     pub fn from(&self) -> Point {
         match *self {
             Self::Line { from, .. } => from,
-            Self::Arc {
-                center,
-                radius,
-                start,
-                ..
-            } => center + angle::unit(start) * radius,
+            Self::Arc { center, radius, start, .. } => center + angle::unit(start) * radius,
         }
     }
 
@@ -47,12 +42,9 @@ impl Piece {
     pub fn to(&self) -> Point {
         match *self {
             Self::Line { to, .. } => to,
-            Self::Arc {
-                center,
-                radius,
-                start,
-                sweep,
-            } => center + angle::unit(start + sweep) * radius,
+            Self::Arc { center, radius, start, sweep } => {
+                center + angle::unit(start + sweep) * radius
+            }
         }
     }
 
@@ -70,12 +62,9 @@ impl Piece {
     pub fn at(&self, t: f64) -> Point {
         match *self {
             Self::Line { from, to } => from + (to - from) * t,
-            Self::Arc {
-                center,
-                radius,
-                start,
-                sweep,
-            } => center + angle::unit(start + sweep * t) * radius,
+            Self::Arc { center, radius, start, sweep } => {
+                center + angle::unit(start + sweep * t) * radius
+            }
         }
     }
 
@@ -83,9 +72,9 @@ impl Piece {
     #[must_use]
     pub fn tangent(&self, t: f64) -> Vector {
         match *self {
-            Self::Line { from, to } => (to - from)
-                .try_normalize(1e-12)
-                .unwrap_or_else(Vector::zeros),
+            Self::Line { from, to } => {
+                (to - from).try_normalize(1e-12).unwrap_or_else(Vector::zeros)
+            }
             Self::Arc { start, sweep, .. } => {
                 perp(angle::unit(start + sweep * t)) * if sweep < 0.0 { -1.0 } else { 1.0 }
             }
@@ -99,18 +88,9 @@ impl Piece {
             Self::Line { from, to } => {
                 let along = to - from;
                 let square = along.norm_squared();
-                if square < 1e-18 {
-                    0.0
-                } else {
-                    ((p - from).dot(&along) / square).clamp(0.0, 1.0)
-                }
+                if square < 1e-18 { 0.0 } else { ((p - from).dot(&along) / square).clamp(0.0, 1.0) }
             }
-            Self::Arc {
-                center,
-                start,
-                sweep,
-                ..
-            } => {
+            Self::Arc { center, start, sweep, .. } => {
                 let toward = angle::of(p - center);
                 let turned = if sweep < 0.0 {
                     angle::wrap_positive(start - toward)
@@ -140,17 +120,9 @@ impl Piece {
     pub fn reversed(&self) -> Self {
         match *self {
             Self::Line { from, to } => Self::Line { from: to, to: from },
-            Self::Arc {
-                center,
-                radius,
-                start,
-                sweep,
-            } => Self::Arc {
-                center,
-                radius,
-                start: angle::wrap(start + sweep),
-                sweep: -sweep,
-            },
+            Self::Arc { center, radius, start, sweep } => {
+                Self::Arc { center, radius, start: angle::wrap(start + sweep), sweep: -sweep }
+            }
         }
     }
 
@@ -168,12 +140,7 @@ impl Piece {
         // The centre lies left of the chord for a counter-clockwise arc below a half turn.
         let offset = radius * angle::cos(sweep.abs() / 2.0) * bulge.signum();
         let center = from + chord * 0.5 + perp(chord) * (offset / length);
-        Self::Arc {
-            center,
-            radius,
-            start: angle::of(from - center),
-            sweep,
-        }
+        Self::Arc { center, radius, start: angle::of(from - center), sweep }
     }
 }
 
@@ -203,10 +170,7 @@ impl Ring {
     pub fn polygon(vertices: &[Point]) -> Self {
         let count = vertices.len();
         let pieces = (0..count)
-            .map(|k| Piece::Line {
-                from: vertices[k],
-                to: vertices[(k + 1) % count],
-            })
+            .map(|k| Piece::Line { from: vertices[k], to: vertices[(k + 1) % count] })
             .collect();
         Self { pieces }
     }
@@ -214,14 +178,7 @@ impl Ring {
     /// A full circle, counter-clockwise from the direction +x.
     #[must_use]
     pub fn circle(center: Point, radius: f64) -> Self {
-        Self {
-            pieces: vec![Piece::Arc {
-                center,
-                radius,
-                start: 0.0,
-                sweep: angle::TAU,
-            }],
-        }
+        Self { pieces: vec![Piece::Arc { center, radius, start: 0.0, sweep: angle::TAU }] }
     }
 
     /// Signed area, square metres; positive when the ring runs counter-clockwise.
@@ -256,12 +213,7 @@ impl Ring {
             let point = piece.at(t);
             let distance = (point - p).norm();
             if best.is_none_or(|b| distance < b.distance) {
-                best = Some(Foot {
-                    piece: index,
-                    t,
-                    point,
-                    distance,
-                });
+                best = Some(Foot { piece: index, t, point, distance });
             }
         }
         best
@@ -308,19 +260,13 @@ impl Ring {
     /// The same outline run the other way.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        Self {
-            pieces: self.pieces.iter().rev().map(Piece::reversed).collect(),
-        }
+        Self { pieces: self.pieces.iter().rev().map(Piece::reversed).collect() }
     }
 
     /// The same outline, counter-clockwise.
     #[must_use]
     pub fn counter_clockwise(self) -> Self {
-        if self.area() < 0.0 {
-            self.reversed()
-        } else {
-            self
-        }
+        if self.area() < 0.0 { self.reversed() } else { self }
     }
 
     /// The box around the outline: its lowest and highest corner; none without pieces.
@@ -334,11 +280,7 @@ impl Ring {
 #[must_use]
 pub fn bounds(points: &[Point]) -> Option<(Point, Point)> {
     let first = *points.first()?;
-    Some(
-        points
-            .iter()
-            .fold((first, first), |(low, high), p| (low.inf(p), high.sup(p))),
-    )
+    Some(points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p))))
 }
 
 /// How many chords an arc needs so that none strays more than `sagitta` metres from it.
@@ -361,13 +303,7 @@ fn crossing(from: Point, to: Point, p: Point) -> i32 {
 }
 
 fn arc_crossings(arc: &Piece, p: Point) -> i32 {
-    let Piece::Arc {
-        center,
-        radius,
-        sweep,
-        ..
-    } = *arc
-    else {
+    let Piece::Arc { center, radius, sweep, .. } = *arc else {
         return 0;
     };
     let steps = ((sweep.abs() / angle::FRAC_PI_4).ceil() as u32).max(1);
@@ -405,16 +341,8 @@ mod tests {
     #[test]
     fn a_stadium_has_the_area_and_perimeter_of_the_textbook() {
         let ring = stadium();
-        assert!(
-            (ring.area() - (8.0 + angle::PI)).abs() < 1e-9,
-            "{}",
-            ring.area()
-        );
-        assert!(
-            (ring.perimeter() - (8.0 + angle::TAU)).abs() < 1e-9,
-            "{}",
-            ring.perimeter()
-        );
+        assert!((ring.area() - (8.0 + angle::PI)).abs() < 1e-9, "{}", ring.area());
+        assert!((ring.perimeter() - (8.0 + angle::TAU)).abs() < 1e-9, "{}", ring.perimeter());
         assert!((ring.reversed().area() + ring.area()).abs() < 1e-9);
     }
 
@@ -437,12 +365,7 @@ mod tests {
     #[test]
     fn an_arc_that_bends_inwards_is_cut_out() {
         let quarter = angle::tan(angle::PI / 8.0);
-        let vertices = [
-            (0.0, 0.0, -quarter),
-            (2.0, 0.0, 0.0),
-            (2.0, 2.0, 0.0),
-            (0.0, 2.0, 0.0),
-        ];
+        let vertices = [(0.0, 0.0, -quarter), (2.0, 0.0, 0.0), (2.0, 2.0, 0.0), (0.0, 2.0, 0.0)];
         let pieces = (0..4)
             .map(|k| {
                 let (x0, y0, bulge) = vertices[k];
@@ -452,11 +375,7 @@ mod tests {
             .collect();
         let ring = Ring { pieces };
         let segment = (angle::PI / 4.0 * 2.0) - 1.0;
-        assert!(
-            (ring.area() - (4.0 - segment)).abs() < 1e-9,
-            "{}",
-            ring.area()
-        );
+        assert!((ring.area() - (4.0 - segment)).abs() < 1e-9, "{}", ring.area());
         assert!(!ring.contains(Point::new(1.0, 0.2)));
         assert!(ring.contains(Point::new(1.0, 0.5)));
     }

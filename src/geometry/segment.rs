@@ -20,11 +20,7 @@ impl Segment {
     pub fn new(from: Point, to: Point) -> Self {
         let along = to - from;
         let square = along.norm_squared();
-        Self {
-            from,
-            along,
-            inverse: if square > 1e-18 { 1.0 / square } else { 0.0 },
-        }
+        Self { from, along, inverse: if square > 1e-18 { 1.0 / square } else { 0.0 } }
     }
 
     /// Where it ends.
@@ -105,10 +101,7 @@ mod tests {
         for (a, b, want, what) in cases {
             let other = Segment::new(Point::new(a.0, a.1), Point::new(b.0, b.1));
             let gap = cross_beam.gap_squared(&other);
-            assert!(
-                (gap - want).abs() < 1e-12,
-                "{what}: {gap} instead of {want}"
-            );
+            assert!((gap - want).abs() < 1e-12, "{what}: {gap} instead of {want}");
         }
     }
 }

@@ -34,10 +34,7 @@ impl Sight {
     /// For a polygon through `corners`, counter-clockwise.
     #[must_use]
     pub fn new(corners: Vec<Point>) -> Self {
-        Self {
-            corners,
-            last: Cell::new(0),
-        }
+        Self { corners, last: Cell::new(0) }
     }
 
     /// Whether the line from corner `from` to corner `to` stays inside.
@@ -58,11 +55,7 @@ impl Sight {
     }
 
     fn next(&self, corner: usize) -> usize {
-        if corner + 1 == self.corners.len() {
-            0
-        } else {
-            corner + 1
-        }
+        if corner + 1 == self.corners.len() { 0 } else { corner + 1 }
     }
 
     /// Whether going from corner `at` towards `q` leads into the polygon or along its rim.
@@ -193,11 +186,7 @@ mod tests {
             for to in (0..count).filter(|&to| to != from) {
                 let want = covers(corners, corners[from], corners[to]);
                 let got = sight.corner_to_corner(from, to);
-                assert_eq!(
-                    got, want,
-                    "{} to {} in {corners:?}",
-                    corners[from], corners[to]
-                );
+                assert_eq!(got, want, "{} to {} in {corners:?}", corners[from], corners[to]);
             }
             for edge in (0..count).filter(|&e| e != from && (e + 1) % count != from) {
                 let end = nalgebra::center(&corners[edge], &corners[(edge + 1) % count]);

@@ -67,17 +67,10 @@ pub enum JournalError {
 /// # Errors
 /// When the file cannot be opened, is no record, or is damaged before its end.
 pub fn read(path: &Path) -> Result<Recording, JournalError> {
-    let path = if path.is_dir() {
-        path.join("journal")
-    } else {
-        path.to_owned()
-    };
+    let path = if path.is_dir() { path.join("journal") } else { path.to_owned() };
     match std::fs::read(&path) {
         Ok(bytes) => parse(&path, &bytes),
-        Err(error) => Err(JournalError::Unreadable {
-            path,
-            reason: error.to_string(),
-        }),
+        Err(error) => Err(JournalError::Unreadable { path, reason: error.to_string() }),
     }
 }
 
@@ -96,11 +89,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
             // A line that holds after one that does not: the damage is not at the end.
             if unseal(line).is_ok() {
                 let (line, why) = (torn.line, std::mem::take(why));
-                return Err(JournalError::Damaged {
-                    path: path.to_owned(),
-                    line,
-                    why,
-                });
+                return Err(JournalError::Damaged { path: path.to_owned(), line, why });
             }
             torn.bytes += line.len();
             continue;
@@ -109,48 +98,26 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
             Ok(record) => records.push(record),
             Err(why) => {
                 let bytes = line.len();
-                torn = Some((
-                    Torn {
-                        line: number,
-                        bytes,
-                    },
-                    why,
-                ));
+                torn = Some((Torn { line: number, bytes }, why));
             }
         }
     }
-    Ok(Recording {
-        header,
-        records,
-        torn: torn.map(|(torn, _)| torn),
-    })
+    Ok(Recording { header, records, torn: torn.map(|(torn, _)| torn) })
 }
 
 fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {
-    let foreign = || JournalError::Foreign {
-        path: path.to_owned(),
-    };
+    let foreign = || JournalError::Foreign { path: path.to_owned() };
     let text = std::str::from_utf8(line).map_err(|_error| foreign())?;
     let rest = text.strip_prefix(MAGIC).ok_or_else(foreign)?;
-    let version = rest
-        .split_whitespace()
-        .next()
-        .and_then(|word| word.parse().ok());
+    let version = rest.split_whitespace().next().and_then(|word| word.parse().ok());
     match version {
         Some(found) if found > VERSION => {
-            return Err(JournalError::Newer {
-                path: path.to_owned(),
-                found,
-            });
+            return Err(JournalError::Newer { path: path.to_owned(), found });
         }
         Some(_) => {}
         None => return Err(foreign()),
     }
-    let damaged = |why: String| JournalError::Damaged {
-        path: path.to_owned(),
-        line: 1,
-        why,
-    };
+    let damaged = |why: String| JournalError::Damaged { path: path.to_owned(), line: 1, why };
     let text = unseal(line).map_err(damaged)?;
     let payload = text.splitn(3, ' ').nth(2).unwrap_or_default();
     serde_json::from_str(payload).map_err(|error| damaged(error.to_string()))
@@ -177,13 +144,9 @@ fn record(line: &[u8], expected: u64) -> Result<Record, String> {
     let mut word = || words.next().ok_or("the line is too short");
     let (sequence, time, kind, payload) = (word()?, word()?, word()?, word()?);
     if sequence.parse() != Ok(expected) {
-        return Err(format!(
-            "record {sequence} where record {expected} should be"
-        ));
+        return Err(format!("record {sequence} where record {expected} should be"));
     }
-    let time_us = time
-        .parse()
-        .map_err(|_error| format!("`{time}` is not a time"))?;
+    let time_us = time.parse().map_err(|_error| format!("`{time}` is not a time"))?;
     let entry = entry(kind, payload).map_err(|error| format!("payload: {error}"))?;
     Ok(Record { time_us, entry })
 }
@@ -205,12 +168,7 @@ fn report(
     (time_us, left_ticks, right_ticks, heading, switches, bumper): (u64, i64, i64, f64, u16, u8),
 ) -> Telemetry {
     Telemetry::Report {
-        odometer: Odometer {
-            time_us,
-            left_ticks,
-            right_ticks,
-            heading,
-        },
+        odometer: Odometer { time_us, left_ticks, right_ticks, heading },
         switches: SwitchSet(switches),
         bumper: bumper != 0,
     }

@@ -16,44 +16,20 @@ fn header() -> Header {
 }
 
 fn records() -> Vec<Record> {
-    let odometer = Odometer {
-        time_us: 20_000,
-        left_ticks: -3,
-        right_ticks: 41,
-        heading: 0.1 + 0.2,
-    };
+    let odometer =
+        Odometer { time_us: 20_000, left_ticks: -3, right_ticks: 41, heading: 0.1 + 0.2 };
     let command = Command {
         id: CommandId(7),
-        motion: Motion::Move {
-            distance: 0.5,
-            speed: 0.2,
-        },
-        guard: Guard {
-            rise: SwitchSet(3),
-            fall: SwitchSet::EMPTY,
-        },
+        motion: Motion::Move { distance: 0.5, speed: 0.2 },
+        guard: Guard { rise: SwitchSet(3), fall: SwitchSet::EMPTY },
         time_limit: 4.5,
     };
-    let event = Event {
-        time_us: 20_000,
-        kind: EventKind::LapCandidate { off: 1.0 / 3.0 },
-    };
-    let report = Telemetry::Report {
-        odometer,
-        switches: SwitchSet(129),
-        bumper: true,
-    };
-    let edge = Telemetry::Edge(Edge {
-        sensor: 2,
-        rising: false,
-        odometer,
-    });
+    let event = Event { time_us: 20_000, kind: EventKind::LapCandidate { off: 1.0 / 3.0 } };
+    let report = Telemetry::Report { odometer, switches: SwitchSet(129), bumper: true };
+    let edge = Telemetry::Edge(Edge { sensor: 2, rising: false, odometer });
     let done = Telemetry::Done {
         id: CommandId(7),
-        reason: DoneReason::Guard {
-            sensor: 1,
-            rising: true,
-        },
+        reason: DoneReason::Guard { sensor: 1, rising: true },
         odometer,
         switches: SwitchSet(2),
         bumper: false,
@@ -65,15 +41,9 @@ fn records() -> Vec<Record> {
         Entry::Telemetry(edge),
         Entry::Telemetry(done),
         Entry::Event(event),
-        Entry::PhaseEnd(PhaseEnd {
-            phase: Phase::Boundary,
-            state: u64::MAX - 5,
-        }),
+        Entry::PhaseEnd(PhaseEnd { phase: Phase::Boundary, state: u64::MAX - 5 }),
     ];
-    let at = |(k, entry)| Record {
-        time_us: k as u64 * 1000,
-        entry,
-    };
+    let at = |(k, entry)| Record { time_us: k as u64 * 1000, entry };
     entries.into_iter().enumerate().map(at).collect()
 }
 
@@ -100,33 +70,20 @@ fn what_is_written_is_read_back_bit_for_bit() {
 #[test]
 fn a_record_cut_anywhere_after_its_header_loses_only_the_cut_line() {
     let bytes = written();
-    let ends: Vec<usize> = (0..bytes.len())
-        .filter(|&k| bytes[k] == b'\n')
-        .map(|k| k + 1)
-        .collect();
+    let ends: Vec<usize> = (0..bytes.len()).filter(|&k| bytes[k] == b'\n').map(|k| k + 1).collect();
     for cut in ends[0]..bytes.len() {
         let recording = parse(&bytes[..cut]).unwrap_or_else(|e| panic!("cut at byte {cut}: {e}"));
         let whole = ends.iter().filter(|&&end| end <= cut).count() - 1;
         assert_eq!(recording.records.len(), whole, "cut at byte {cut}");
         let left = cut - ends[whole];
-        assert_eq!(
-            recording.torn.map_or(0, |torn| torn.bytes),
-            left,
-            "cut at byte {cut}"
-        );
+        assert_eq!(recording.torn.map_or(0, |torn| torn.bytes), left, "cut at byte {cut}");
     }
 }
 
 #[test]
 fn damage_in_the_middle_is_refused_with_its_line() {
     let mut bytes = written();
-    let third = bytes
-        .iter()
-        .enumerate()
-        .filter(|(_, b)| **b == b'\n')
-        .nth(1)
-        .expect("lines")
-        .0;
+    let third = bytes.iter().enumerate().filter(|(_, b)| **b == b'\n').nth(1).expect("lines").0;
     bytes[third + 8] ^= 1;
     let error = parse(&bytes).expect_err("a hole");
     assert!(error.to_string().starts_with("run/journal:3: "), "{error}");
@@ -156,18 +113,12 @@ fn a_full_disk_is_remembered_and_does_not_stop_the_run() {
             Ok(())
         }
     }
-    assert!(
-        Journal::begin(Full(0), &header()).is_err(),
-        "a header that nobody keeps"
-    );
+    assert!(Journal::begin(Full(0), &header()).is_err(), "a header that nobody keeps");
     let mut journal = Journal::begin(Full(1), &header()).expect("room for the header");
     for record in records() {
         journal.record(&record);
     }
-    assert!(
-        journal.error().is_some(),
-        "the phase's end flushes, which fails"
-    );
+    assert!(journal.error().is_some(), "the phase's end flushes, which fails");
     assert!(journal.finish().is_err(), "the loss is told at the end");
 }
 

@@ -26,12 +26,8 @@ impl<W: Write> Journal<W> {
     /// # Errors
     /// When the header cannot be written: then nothing of the run would be kept.
     pub fn begin(out: W, header: &Header) -> io::Result<Self> {
-        let mut journal = Self {
-            out,
-            buffer: Vec::with_capacity(BUFFER + 1024),
-            sequence: 0,
-            failed: None,
-        };
+        let mut journal =
+            Self { out, buffer: Vec::with_capacity(BUFFER + 1024), sequence: 0, failed: None };
         write!(journal.buffer, "{MAGIC} {VERSION} ")?;
         serde_json::to_writer(&mut journal.buffer, header)?;
         journal.seal(0);
@@ -50,26 +46,10 @@ impl<W: Write> Journal<W> {
     /// Records what the robot said.
     pub fn telemetry(&mut self, time_us: u64, telemetry: &Telemetry) {
         match telemetry {
-            Telemetry::Report {
-                odometer,
-                switches,
-                bumper,
-            } => {
+            Telemetry::Report { odometer, switches, bumper } => {
                 // By far the most frequent record, hence its short form.
-                let Odometer {
-                    time_us: at,
-                    left_ticks,
-                    right_ticks,
-                    heading,
-                } = odometer;
-                let row = (
-                    at,
-                    left_ticks,
-                    right_ticks,
-                    heading,
-                    switches,
-                    u8::from(*bumper),
-                );
+                let Odometer { time_us: at, left_ticks, right_ticks, heading } = odometer;
+                let row = (at, left_ticks, right_ticks, heading, switches, u8::from(*bumper));
                 self.line(time_us, b'r', &row);
             }
             other => self.line(time_us, b't', other),
@@ -107,10 +87,7 @@ impl<W: Write> Journal<W> {
     /// Hands everything recorded so far on.
     pub fn flush(&mut self) {
         if self.failed.is_none() {
-            let result = self
-                .out
-                .write_all(&self.buffer)
-                .and_then(|()| self.out.flush());
+            let result = self.out.write_all(&self.buffer).and_then(|()| self.out.flush());
             self.failed = result.err();
         }
         self.buffer.clear();
@@ -138,12 +115,10 @@ impl<W: Write> Journal<W> {
             return;
         }
         let start = self.buffer.len();
-        let written = write!(
-            self.buffer,
-            "{} {time_us} {} ",
-            self.sequence, letter as char
-        )
-        .and_then(|()| serde_json::to_writer(&mut self.buffer, payload).map_err(io::Error::from));
+        let written = write!(self.buffer, "{} {time_us} {} ", self.sequence, letter as char)
+            .and_then(|()| {
+                serde_json::to_writer(&mut self.buffer, payload).map_err(io::Error::from)
+            });
         if let Err(error) = written {
             self.buffer.truncate(start);
             self.failed = Some(error);

@@ -61,12 +61,7 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
         Vector3::new(shift.x, shift.y, 0.0),
         Vector3::new(shift.x, shift.y, turn),
     ];
-    let laid = Laid {
-        early: &early,
-        late: &late,
-        centre,
-        prior,
-    };
+    let laid = Laid { early: &early, late: &late, centre, prior };
     let (mut found, mut agreeing) = laid.closest(starts[0]);
     for start in &starts[1..] {
         let (other, agree) = laid.closest(*start);
@@ -74,16 +69,8 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
             (found, agreeing) = (other, agree);
         }
     }
-    let misclosure = Misclosure {
-        dx: found.x,
-        dy: found.y,
-        heading: found.z,
-        lap,
-    };
-    Overlap {
-        misclosure,
-        agreement: agreeing as f64 / late.len().max(1) as f64,
-    }
+    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
+    Overlap { misclosure, agreement: agreeing as f64 / late.len().max(1) as f64 }
 }
 
 /// Two looks at the same wall.
@@ -136,21 +123,15 @@ impl Laid<'_> {
 }
 
 fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
-    let near: Vec<Point> = walls
-        .iter()
-        .copied()
-        .filter(|p| (p - point).norm() < 0.1)
-        .collect();
+    let near: Vec<Point> = walls.iter().copied().filter(|p| (p - point).norm() < 0.1).collect();
     if near.len() < 4 {
         return None;
     }
     let stretch = Stretch::through(&near)?;
     let along = |p: Point| stretch.along.dot(&(p - stretch.at));
-    let (low, high) = near
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-            (low.min(along(p)), high.max(along(p)))
-        });
+    let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
+        (low.min(along(p)), high.max(along(p)))
+    });
     // Beyond what was seen the wall may do anything.
     let within = (low - 0.015..=high + 0.015).contains(&along(point));
     (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)
@@ -191,10 +172,7 @@ impl Adjustment {
             turned.push(PathPoint { pose, ..*point });
         }
         let total = lengths.last().copied().unwrap_or(0.0).max(1e-9);
-        let mut half = Self {
-            raw: path.to_vec(),
-            adjusted: turned,
-        };
+        let mut half = Self { raw: path.to_vec(), adjusted: turned };
         let measured = closure.to.pose.position - Vector::new(misclosure.dx, misclosure.dy);
         let rest = measured - half.place(closure.to.pose.position, end);
         for (point, length) in half.adjusted.iter_mut().zip(&lengths) {
@@ -220,9 +198,7 @@ impl Adjustment {
     /// Where a pose goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
-        let turn = self
-            .pair(time_us)
-            .map_or(0.0, |(raw, adjusted)| adjusted.heading - raw.heading);
+        let turn = self.pair(time_us).map_or(0.0, |(raw, adjusted)| adjusted.heading - raw.heading);
         Pose {
             position: self.place(pose.position, time_us),
             heading: angle::wrap(pose.heading + turn),

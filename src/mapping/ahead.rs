@@ -56,10 +56,7 @@ impl Rolling {
         ended: bool,
     ) -> Option<Direction> {
         let Some(chain) = self.chain(contacts, pose.position) else {
-            return Some(Direction {
-                heading: pose.heading,
-                frontier: None,
-            });
+            return Some(Direction { heading: pose.heading, frontier: None });
         };
         let frontier = self.frontier(&chain, pose);
         let mut obstacles = contacts.to_vec();
@@ -75,10 +72,7 @@ impl Rolling {
             .first_free(&obstacles, pose.position, toward, step, self.radius)
             .or_else(|| self.first_free(&obstacles, pose.position, toward, step, self.least))
             .or_else(|| self.first_free(contacts, pose.position, toward, step / 3.0, self.least))?;
-        Some(Direction {
-            heading,
-            frontier: Some(frontier),
-        })
+        Some(Direction { heading, frontier: Some(frontier) })
     }
 
     fn first_free(
@@ -115,11 +109,8 @@ impl Rolling {
         let turned = |p: &Point| {
             angle::wrap_positive(self.side.sign() * (toward - angle::of(p - center)) + 0.02)
         };
-        let mut ahead: Vec<Point> = contacts
-            .iter()
-            .copied()
-            .filter(|p| turned(p) < 4.0 && *p != nearest)
-            .collect();
+        let mut ahead: Vec<Point> =
+            contacts.iter().copied().filter(|p| turned(p) < 4.0 && *p != nearest).collect();
         ahead.sort_by(|a, b| turned(a).total_cmp(&turned(b)));
         let mut chain = vec![nearest];
         for p in ahead {
@@ -153,30 +144,11 @@ impl Rolling {
         let (stretch, certain, extent) = if let Some((stretch, spread)) = best {
             (stretch, spread > 0.05, (2.0 * spread).max(0.06))
         } else {
-            let along = level
-                .try_normalize(1e-9)
-                .unwrap_or_else(|| pose.direction());
-            (
-                Stretch {
-                    at,
-                    along,
-                    residual: 0.0,
-                },
-                false,
-                0.1,
-            )
+            let along = level.try_normalize(1e-9).unwrap_or_else(|| pose.direction());
+            (Stretch { at, along, residual: 0.0 }, false, 0.1)
         };
         let onward = -self.side.sign() * cross(away, stretch.along);
-        let along = if onward < 0.0 {
-            -stretch.along
-        } else {
-            stretch.along
-        };
-        Frontier {
-            at,
-            stretch: Stretch { along, ..stretch },
-            certain,
-            extent,
-        }
+        let along = if onward < 0.0 { -stretch.along } else { stretch.along };
+        Frontier { at, stretch: Stretch { along, ..stretch }, certain, extent }
     }
 }

@@ -143,9 +143,7 @@ impl Circuit {
             return Leg::Failed(Failure::Boxed);
         }
         if self.previous.is_some_and(|now| {
-            self.anchors
-                .first()
-                .is_some_and(|a| now.travelled - a.travelled > LONGEST_LAP)
+            self.anchors.first().is_some_and(|a| now.travelled - a.travelled > LONGEST_LAP)
         }) {
             return Leg::Failed(Failure::LapEndless);
         }
@@ -162,10 +160,7 @@ impl Circuit {
 
     fn before_step(&mut self, tracker: &Tracker) {
         let here = Anchor::here(tracker);
-        let young = self
-            .anchors
-            .first()
-            .is_none_or(|a| here.travelled - a.travelled < BEGINNING);
+        let young = self.anchors.first().is_none_or(|a| here.travelled - a.travelled < BEGINNING);
         if young && self.closure.is_none() {
             self.anchors.push(here);
         }
@@ -175,9 +170,7 @@ impl Circuit {
 
     /// +1 when the path since `anchor` runs counter-clockwise round what it encloses, else -1.
     fn sense(&self, anchor: &Anchor) -> f64 {
-        let since = self
-            .trail
-            .partition_point(|(travelled, _)| *travelled < anchor.travelled);
+        let since = self.trail.partition_point(|(travelled, _)| *travelled < anchor.travelled);
         let path = &self.trail[since..];
         let doubled: f64 = (0..path.len())
             .map(|k| {
@@ -195,10 +188,7 @@ impl Circuit {
         let Some(before) = self.previous else { return };
         let now = Anchor::here(tracker);
         let side = self.follower.side();
-        let crossed = self
-            .anchors
-            .iter()
-            .find_map(|anchor| crossing(anchor, &before, &now));
+        let crossed = self.anchors.iter().find_map(|anchor| crossing(anchor, &before, &now));
         self.closure = crossed.map(|(from, mut to)| {
             let turned = angle::wrap(to.pose.heading - from.pose.heading);
             to.heading = from.heading + turned + angle::TAU * self.sense(&from);

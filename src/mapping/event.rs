@@ -265,49 +265,23 @@ impl fmt::Display for EventKind {
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
             Self::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),
-            Self::LapClosed {
-                length,
-                extrinsic: false,
-            } => {
-                write!(
-                    f,
-                    "lap closed after {length:.2} m: inside, this is the boundary"
-                )
+            Self::LapClosed { length, extrinsic: false } => {
+                write!(f, "lap closed after {length:.2} m: inside, this is the boundary")
             }
-            Self::LapClosed {
-                length,
-                extrinsic: true,
-            } => {
-                write!(
-                    f,
-                    "lap closed after {length:.2} m: outside, this is an object"
-                )
+            Self::LapClosed { length, extrinsic: true } => {
+                write!(f, "lap closed after {length:.2} m: outside, this is an object")
             }
             Self::LapFailed { why } => write!(f, "lap given up: {why}"),
-            Self::ShapeFound {
-                class,
-                vertices,
-                parts,
-            } => {
+            Self::ShapeFound { class, vertices, parts } => {
                 write!(f, "shape: {class}, {vertices} vertices, {parts} part(s)")
             }
-            Self::PlanMade {
-                lines,
-                length,
-                hidden_disc,
-            } => write!(
+            Self::PlanMade { lines, length, hidden_disc } => write!(
                 f,
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
                 hidden_disc * 1e3
             ),
-            Self::LineBegan {
-                id,
-                backwards: false,
-            } => write!(f, "line L{id} begins"),
-            Self::LineBegan {
-                id,
-                backwards: true,
-            } => write!(f, "line L{id} begins, from its end"),
+            Self::LineBegan { id, backwards: false } => write!(f, "line L{id} begins"),
+            Self::LineBegan { id, backwards: true } => write!(f, "line L{id} begins, from its end"),
             Self::LineDriven { id } => write!(f, "line L{id} driven"),
             Self::LineEnded { id, reason } => write!(f, "line L{id} ended: {reason}"),
             Self::ObjectFound { id, by } => write!(f, "unknown object O{id} met ({by})"),

@@ -33,9 +33,7 @@ pub struct PoseFilter {
 impl Default for PoseFilter {
     fn default() -> Self {
         let position = 0.005_f64.powi(2);
-        Self {
-            covariance: Matrix3::from_diagonal(&Vector3::new(position, position, 2.5e-5)),
-        }
+        Self { covariance: Matrix3::from_diagonal(&Vector3::new(position, position, 2.5e-5)) }
     }
 }
 
@@ -79,11 +77,8 @@ impl PoseFilter {
     /// One standard deviation of the position in its worse direction, metres.
     #[must_use]
     pub fn position_sd(&self) -> f64 {
-        let (xx, xy, yy) = (
-            self.covariance[(0, 0)],
-            self.covariance[(0, 1)],
-            self.covariance[(1, 1)],
-        );
+        let (xx, xy, yy) =
+            (self.covariance[(0, 0)], self.covariance[(0, 1)], self.covariance[(1, 1)]);
         let middle = f64::midpoint(xx, yy);
         let spread = angle::hypot((xx - yy) / 2.0, xy);
         (middle + spread).max(0.0).sqrt()
@@ -106,10 +101,7 @@ mod tests {
         let mut believed = Pose::new(1.02, 0.985, 0.29);
         let mut filter = PoseFilter::default();
         for _ in 0..20 {
-            let before = Pose {
-                position: believed.position - Vector::new(0.2, 0.0),
-                ..believed
-            };
+            let before = Pose { position: believed.position - Vector::new(0.2, 0.0), ..believed };
             filter.predict(before, believed, 3.0);
         }
         for (bearing, normal) in [
@@ -124,14 +116,8 @@ mod tests {
             let fixed = filter.update(believed, believed.to_world(local), &surface);
             believed = fixed.unwrap_or(believed);
         }
-        assert!(
-            (believed.position - truth.position).norm() < 0.004,
-            "{believed:?}"
-        );
-        assert!(
-            angle::wrap(believed.heading - truth.heading).abs() < 0.02,
-            "{believed:?}"
-        );
+        assert!((believed.position - truth.position).norm() < 0.004, "{believed:?}");
+        assert!(angle::wrap(believed.heading - truth.heading).abs() < 0.02, "{believed:?}");
         assert!(filter.position_sd() < 0.01, "{}", filter.position_sd());
     }
 
@@ -139,10 +125,7 @@ mod tests {
     fn a_contact_that_is_far_off_changes_nothing() {
         let mut filter = PoseFilter::default();
         let pose = Pose::new(0.0, 0.0, 0.0);
-        let surface = Surface {
-            at: Point::new(0.3, 0.0),
-            normal: Vector::new(1.0, 0.0),
-        };
+        let surface = Surface { at: Point::new(0.3, 0.0), normal: Vector::new(1.0, 0.0) };
         assert_eq!(filter.update(pose, Point::new(0.16, 0.0), &surface), None);
     }
 }

@@ -124,11 +124,7 @@ impl Floor {
             return f64::INFINITY;
         }
         let distance = self.objects.distance(p, f64::INFINITY);
-        if odd_crossings(self.objects.segments(), p) {
-            -distance
-        } else {
-            distance
-        }
+        if odd_crossings(self.objects.segments(), p) { -distance } else { distance }
     }
 
     /// Clearance read off the raster: a few cells' neighbours blended, good to a millimetre or
@@ -233,10 +229,7 @@ mod tests {
         ];
         for ((x, y), want) in cases {
             let got = floor.clearance(Point::new(x, y));
-            assert!(
-                (got - want).abs() < 1e-9,
-                "{got} instead of {want} at {x}, {y}"
-            );
+            assert!((got - want).abs() < 1e-9, "{got} instead of {want} at {x}, {y}");
         }
     }
 
@@ -252,14 +245,8 @@ mod tests {
         ];
         for (a, b, want) in cases {
             let got = floor.segment_clearance(a, b);
-            assert!(
-                (got - want).abs() < 1e-9,
-                "{got} instead of {want}, {a} to {b}"
-            );
-            assert!(
-                want <= 0.0 || floor.is_clear(a, b, want - 1e-6),
-                "{a} to {b}"
-            );
+            assert!((got - want).abs() < 1e-9, "{got} instead of {want}, {a} to {b}");
+            assert!(want <= 0.0 || floor.is_clear(a, b, want - 1e-6), "{a} to {b}");
             assert!(!floor.is_clear(a, b, want + 1e-6), "{a} to {b}");
         }
     }

@@ -92,10 +92,7 @@ impl Roles {
     }
 
     fn set(switches: &[Option<usize>]) -> SwitchSet {
-        switches
-            .iter()
-            .flatten()
-            .fold(SwitchSet::EMPTY, |set, &index| set.with(index, true))
+        switches.iter().flatten().fold(SwitchSet::EMPTY, |set, &index| set.with(index, true))
     }
 }
 
@@ -154,11 +151,7 @@ impl Follower {
             frontier: None,
             stuck: 0,
             last_position: None,
-            rolling: Rolling {
-                side,
-                radius: chassis.radius + gap,
-                least: chassis.radius + 0.012,
-            },
+            rolling: Rolling { side, radius: chassis.radius + gap, least: chassis.radius + 0.012 },
         }
     }
 
@@ -202,9 +195,7 @@ impl Follower {
     }
 
     fn count_progress(&mut self, position: Point) {
-        let moved = self
-            .last_position
-            .is_none_or(|last| (last - position).norm() > 0.02);
+        let moved = self.last_position.is_none_or(|last| (last - position).norm() > 0.02);
         if moved {
             self.stuck = 0;
             self.last_position = Some(position);
@@ -215,10 +206,7 @@ impl Follower {
 
     fn after_step(&mut self, wall: &Wall, rest: &AtRest) -> Ask {
         let closed_by = match rest.reason {
-            DoneReason::Guard {
-                sensor,
-                rising: true,
-            } => Some(sensor),
+            DoneReason::Guard { sensor, rising: true } => Some(sensor),
             _ => None,
         };
         if let Some(sensor) = closed_by {
@@ -230,10 +218,7 @@ impl Follower {
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {
             self.stride = SHORTEST_STRIDE;
-            self.ended = wall
-                .near()
-                .next_back()
-                .is_some_and(|seen| seen.kind == ContactKind::Edge);
+            self.ended = wall.near().next_back().is_some_and(|seen| seen.kind == ContactKind::Edge);
         }
         // Something is already close ahead of the wall: a swing could not see it close again.
         if let Some(ahead) = self.roles.ahead
@@ -247,53 +232,28 @@ impl Follower {
     fn turn(&mut self, towards_wall: f64, guard: Guard, doing: Doing, why: &'static str) -> Ask {
         self.doing = doing;
         Ask {
-            motion: Motion::Turn {
-                angle: towards_wall * self.side.sign(),
-                rate: f64::INFINITY,
-            },
+            motion: Motion::Turn { angle: towards_wall * self.side.sign(), rate: f64::INFINITY },
             guard,
             why,
         }
     }
 
     fn clear(&mut self, sensor: usize) -> Ask {
-        let guard = Guard {
-            fall: SwitchSet::only(sensor),
-            ..Guard::default()
-        };
-        self.turn(
-            -1.2,
-            guard,
-            Doing::Clearing,
-            "something ahead: turning until it is clear",
-        )
+        let guard = Guard { fall: SwitchSet::only(sensor), ..Guard::default() };
+        self.turn(-1.2, guard, Doing::Clearing, "something ahead: turning until it is clear")
     }
 
     fn look(&mut self) -> Ask {
-        let guard = Guard {
-            rise: Roles::set(&[self.roles.ahead]),
-            ..Guard::default()
-        };
-        self.turn(
-            0.96,
-            guard,
-            Doing::Looking,
-            "looking where the wall goes on",
-        )
+        let guard = Guard { rise: Roles::set(&[self.roles.ahead]), ..Guard::default() };
+        self.turn(0.96, guard, Doing::Looking, "looking where the wall goes on")
     }
 
     fn back_off(&mut self) -> Ask {
         self.doing = Doing::BackingOff;
         self.stride = SHORTEST_STRIDE;
         Ask {
-            motion: Motion::Move {
-                distance: -0.03,
-                speed: f64::INFINITY,
-            },
-            guard: Guard {
-                rise: Roles::set(&[self.roles.back]),
-                ..Guard::default()
-            },
+            motion: Motion::Move { distance: -0.03, speed: f64::INFINITY },
+            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
             why: "touched something: backing off",
         }
     }
@@ -306,17 +266,9 @@ impl Follower {
             return;
         }
         self.ended = false;
-        let surprise = wall
-            .near()
-            .next_back()
-            .zip(self.frontier)
-            .map(|(seen, frontier)| {
-                if frontier.certain {
-                    frontier.stretch.distance(seen.point)
-                } else {
-                    1.0
-                }
-            });
+        let surprise = wall.near().next_back().zip(self.frontier).map(|(seen, frontier)| {
+            if frontier.certain { frontier.stretch.distance(seen.point) } else { 1.0 }
+        });
         self.stride = match surprise {
             Some(off) if off < 0.004 => (self.stride * 1.5).min(LONGEST_STRIDE),
             _ => SHORTEST_STRIDE,
@@ -324,15 +276,9 @@ impl Follower {
     }
 
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
-        let step = if self.ended {
-            ROUND_CORNER
-        } else {
-            self.stride
-        };
+        let step = if self.ended { ROUND_CORNER } else { self.stride };
         let contacts: Vec<Point> = wall.near().map(|seen| seen.point).collect();
-        let found = self
-            .rolling
-            .direction(&contacts, rest.pose, step, self.ended)?;
+        let found = self.rolling.direction(&contacts, rest.pose, step, self.ended)?;
         self.frontier = found.frontier;
         let turn = self.the_way_round(found.heading - rest.pose.heading);
         if turn.abs() < 0.015 {
@@ -340,16 +286,9 @@ impl Follower {
         }
         self.doing = Doing::Facing(step);
         Some(Ask {
-            motion: Motion::Turn {
-                angle: turn,
-                rate: f64::INFINITY,
-            },
+            motion: Motion::Turn { angle: turn, rate: f64::INFINITY },
             guard: Guard::default(),
-            why: if self.ended {
-                "rolling round a corner"
-            } else {
-                "facing along the wall"
-            },
+            why: if self.ended { "rolling round a corner" } else { "facing along the wall" },
         })
     }
 
@@ -358,35 +297,19 @@ impl Follower {
     /// lap would not add up to one.
     fn the_way_round(&self, by: f64) -> f64 {
         let towards = angle::wrap(by) * self.side.sign();
-        self.side.sign()
-            * if towards > MOST_TOWARDS {
-                towards - angle::TAU
-            } else {
-                towards
-            }
+        self.side.sign() * if towards > MOST_TOWARDS { towards - angle::TAU } else { towards }
     }
 
     fn step(&mut self, length: f64) -> Ask {
         self.doing = Doing::Stepping;
-        let fall = if self.ended {
-            SwitchSet::EMPTY
-        } else {
-            Roles::set(&[self.roles.wall])
-        };
+        let fall = if self.ended { SwitchSet::EMPTY } else { Roles::set(&[self.roles.wall]) };
         Ask {
-            motion: Motion::Move {
-                distance: length,
-                speed: f64::INFINITY,
-            },
+            motion: Motion::Move { distance: length, speed: f64::INFINITY },
             guard: Guard {
                 rise: Roles::set(&[self.roles.front, self.roles.ahead, self.roles.off]),
                 fall,
             },
-            why: if self.ended {
-                "a step round the corner"
-            } else {
-                "a step along the wall"
-            },
+            why: if self.ended { "a step round the corner" } else { "a step along the wall" },
         }
     }
 

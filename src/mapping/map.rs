@@ -65,11 +65,7 @@ impl Misclosure {
     #[must_use]
     pub fn ratio(&self) -> f64 {
         let off = crate::geometry::angle::hypot(self.dx, self.dy);
-        if off > 0.0 {
-            self.lap / off
-        } else {
-            f64::INFINITY
-        }
+        if off > 0.0 { self.lap / off } else { f64::INFINITY }
     }
 }
 

@@ -82,11 +82,8 @@ impl Mission {
     /// A run with `settings`; the robot stands at `settings.start`.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
-        let rest = AtRest {
-            pose: settings.start,
-            closed: SwitchSet::EMPTY,
-            reason: DoneReason::Complete,
-        };
+        let rest =
+            AtRest { pose: settings.start, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
         Self {
             tracker: Tracker::new(&settings.chassis, settings.start),
             filter: PoseFilter::default(),
@@ -207,10 +204,9 @@ impl Mission {
     #[must_use]
     pub fn share(&self) -> Option<f64> {
         match &self.task {
-            Task::Search(search) => search
-                .circuit()
-                .and_then(super::circuit::Circuit::closure)
-                .map(|_| 0.95),
+            Task::Search(search) => {
+                search.circuit().and_then(super::circuit::Circuit::closure).map(|_| 0.95)
+            }
             Task::Tour(tour) => Some(tour.share()),
             Task::Shape | Task::Plan => Some(0.0),
             Task::Over => Some(1.0),
@@ -251,11 +247,7 @@ impl Mission {
     /// Takes one message of the robot.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Output>) {
         match input {
-            Telemetry::Report {
-                odometer,
-                switches,
-                bumper,
-            } => {
+            Telemetry::Report { odometer, switches, bumper } => {
                 self.odometer(odometer);
                 self.closed = *switches;
                 self.bumper = *bumper;
@@ -264,9 +256,7 @@ impl Mission {
                 let pose = self.odometer(&edge.odometer);
                 let turning = self.awaited.is_none_or(|awaited| awaited.turning);
                 let travelled = self.tracker.travelled();
-                let seen = self
-                    .wall_mut()
-                    .map(|wall| wall.observe(edge, pose, turning, travelled));
+                let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
                 self.closed = self.closed.with(edge.sensor, edge.rising);
                 if let (Task::Tour(tour), Some(seen), false) = (&mut self.task, seen, turning)
                     && let Some(fixed) = tour.fix(&mut self.filter, pose, &seen)
@@ -274,13 +264,7 @@ impl Mission {
                     self.tracker.correct(fixed);
                 }
             }
-            Telemetry::Done {
-                id,
-                reason,
-                odometer,
-                switches,
-                bumper,
-            } => {
+            Telemetry::Done { id, reason, odometer, switches, bumper } => {
                 let pose = self.odometer(odometer);
                 self.closed = *switches;
                 self.bumper = *bumper;
@@ -299,11 +283,7 @@ impl Mission {
         time_us: u64,
         out: &mut Vec<Output>,
     ) {
-        self.rest = AtRest {
-            pose,
-            closed: self.closed,
-            reason,
-        };
+        self.rest = AtRest { pose, closed: self.closed, reason };
         match reason {
             DoneReason::Bumper | DoneReason::Stalled => {
                 self.bumps += 1;
@@ -335,10 +315,7 @@ impl Mission {
     }
 
     fn tell(&mut self, kind: EventKind, out: &mut Vec<Output>) {
-        out.push(Output::Event(Event {
-            time_us: self.tracker.time_us(),
-            kind,
-        }));
+        out.push(Output::Event(Event { time_us: self.tracker.time_us(), kind }));
     }
 
     fn fail(&mut self, why: Failure, out: &mut Vec<Output>) {
@@ -367,10 +344,7 @@ impl Mission {
             time_limit: seconds * 1.5 + 2.0,
         };
         let turning = matches!(motion, Motion::Turn { .. });
-        self.awaited = Some(Awaited {
-            id: command.id,
-            turning,
-        });
+        self.awaited = Some(Awaited { id: command.id, turning });
         out.push(Output::Command(command, ask.why));
     }
 
@@ -381,12 +355,7 @@ impl Mission {
         }
         if !self.began {
             self.began = true;
-            self.tell(
-                EventKind::PhaseBegan {
-                    phase: Phase::Boundary,
-                },
-                out,
-            );
+            self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
         }
         match std::mem::replace(&mut self.task, Task::Over) {
             Task::Search(search) => self.search(search, out),
@@ -395,12 +364,7 @@ impl Mission {
                 self.make_plan(out);
                 self.tell(EventKind::PhaseEnded { phase: Phase::Plan }, out);
                 self.phase = Phase::Objects;
-                self.tell(
-                    EventKind::PhaseBegan {
-                        phase: Phase::Objects,
-                    },
-                    out,
-                );
+                self.tell(EventKind::PhaseBegan { phase: Phase::Objects }, out);
                 self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map)));
             }
             Task::Tour(tour) => self.tour(tour, out),
@@ -422,19 +386,9 @@ impl Mission {
             }
             Next::Found(closure, misclosure) => {
                 self.close_boundary(search.wall(), &closure, misclosure);
-                self.tell(
-                    EventKind::PhaseEnded {
-                        phase: Phase::Boundary,
-                    },
-                    out,
-                );
+                self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
                 self.phase = Phase::Shape;
-                self.tell(
-                    EventKind::PhaseBegan {
-                        phase: Phase::Shape,
-                    },
-                    out,
-                );
+                self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);
                 self.task = Task::Shape;
             }
             Next::Failed(why) => {
@@ -475,20 +429,8 @@ impl Mission {
         let shape = shape::identify(outline, &self.map.contacts);
         let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
         self.map.shape = Some(shape);
-        self.tell(
-            EventKind::ShapeFound {
-                class,
-                vertices,
-                parts,
-            },
-            out,
-        );
-        self.tell(
-            EventKind::PhaseEnded {
-                phase: Phase::Shape,
-            },
-            out,
-        );
+        self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
+        self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);
         self.phase = Phase::Plan;
         self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
         self.task = Task::Plan;
@@ -496,12 +438,7 @@ impl Mission {
 
     fn make_plan(&mut self, out: &mut Vec<Output>) {
         let Some(shape) = &self.map.shape else { return };
-        let driven: Vec<Point> = self
-            .tracker
-            .path()
-            .iter()
-            .map(|p| p.pose.position)
-            .collect();
+        let driven: Vec<Point> = self.tracker.path().iter().map(|p| p.pose.position).collect();
         let plan = plan::make(&PlanRequest {
             shape,
             objects: &self.map.objects,
@@ -512,25 +449,13 @@ impl Mission {
         let figures = plan.figures;
         self.map.plan = Some(plan);
         let (lines, length, hidden_disc) = (figures.lines, figures.length, figures.hidden_disc);
-        self.tell(
-            EventKind::PlanMade {
-                lines,
-                length,
-                hidden_disc,
-            },
-            out,
-        );
+        self.tell(EventKind::PlanMade { lines, length, hidden_disc }, out);
     }
 
     fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
         let mut told = Vec::new();
-        let next = tour.next(
-            &mut self.tracker,
-            &mut self.filter,
-            &self.rest,
-            &mut self.map,
-            &mut told,
-        );
+        let next =
+            tour.next(&mut self.tracker, &mut self.filter, &self.rest, &mut self.map, &mut told);
         for kind in told {
             self.tell(kind, out);
         }
@@ -538,12 +463,7 @@ impl Mission {
             self.task = Task::Tour(tour);
             self.order(&ask, out);
         } else {
-            self.tell(
-                EventKind::PhaseEnded {
-                    phase: Phase::Objects,
-                },
-                out,
-            );
+            self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;
             self.tell(EventKind::Complete, out);
         }

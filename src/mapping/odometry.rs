@@ -59,21 +59,14 @@ impl Tracker {
             (p.pose.position - self.pose.position).norm() > 5e-4 || p.phase != phase
         });
         if moved {
-            self.path.push(PathPoint {
-                pose: self.pose,
-                time_us,
-                phase,
-            });
+            self.path.push(PathPoint { pose: self.pose, time_us, phase });
         }
     }
 
     /// Moves the believed pose by a correction that was measured against the map.
     pub fn correct(&mut self, to: Pose) {
         self.heading += angle::wrap(to.heading - self.heading);
-        self.pose = Pose {
-            position: to.position,
-            heading: angle::wrap(self.heading),
-        };
+        self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
     }
 
     /// Radians per second that the gyro is believed to drift; taken out of later readings.

@@ -135,10 +135,7 @@ impl Work<'_> {
                 let (order, length, lanes) = lanes::plan(self, first);
                 let driven: Vec<&PlanLine> = lanes.iter().collect();
                 let outcome = self.outcome_of(strategy, order, length, &driven);
-                Outcome {
-                    extra: lanes,
-                    ..outcome
-                }
+                Outcome { extra: lanes, ..outcome }
             }
         }
     }
@@ -163,11 +160,7 @@ impl Work<'_> {
             length,
             hidden_disc: hidden.map_or(0.0, |disc| disc.diameter),
         };
-        Outcome {
-            order,
-            figures,
-            extra: Vec::new(),
-        }
+        Outcome { order, figures, extra: Vec::new() }
     }
 }
 

@@ -164,25 +164,11 @@ impl Search {
 
     fn turn_elsewhere(&mut self, rest: &AtRest, tell: &mut Vec<EventKind>) {
         self.tried += 1;
-        let away = self
-            .wall
-            .near()
-            .next_back()
-            .map(|seen| seen.beam + angle::PI);
-        let spread = if away.is_some() {
-            angle::PI * 0.8
-        } else {
-            angle::TAU
-        };
+        let away = self.wall.near().next_back().map(|seen| seen.beam + angle::PI);
+        let spread = if away.is_some() { angle::PI * 0.8 } else { angle::TAU };
         let heading = away.unwrap_or(0.0) + (self.rng.random::<f64>() - 0.5) * spread;
-        self.line = Pose {
-            position: rest.pose.position,
-            heading: angle::wrap(heading),
-        };
-        tell.push(EventKind::Heading {
-            heading: self.line.heading,
-            tried: self.tried,
-        });
+        self.line = Pose { position: rest.pose.position, heading: angle::wrap(heading) };
+        tell.push(EventKind::Heading { heading: self.line.heading, tried: self.tried });
         self.wall = Wall::new(&self.chassis);
         self.doing = Doing::Turning;
     }
@@ -192,19 +178,13 @@ impl Search {
             return Next::Failed(Failure::NoBoundary);
         }
         if self.tried == 0 {
-            tell.push(EventKind::Heading {
-                heading: rest.pose.heading,
-                tried: 0,
-            });
+            tell.push(EventKind::Heading { heading: rest.pose.heading, tried: 0 });
         }
         let turn = angle::wrap(self.line.heading - rest.pose.heading);
         if turn.abs() > 0.01 {
             self.doing = Doing::Turning;
             return Next::Go(Ask {
-                motion: Motion::Turn {
-                    angle: turn,
-                    rate: f64::INFINITY,
-                },
+                motion: Motion::Turn { angle: turn, rate: f64::INFINITY },
                 guard: Guard::default(),
                 why: "turning into a new direction",
             });
@@ -222,14 +202,8 @@ impl Search {
         let all =
             (0..self.chassis.sensors.len()).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
         Next::Go(Ask {
-            motion: Motion::Move {
-                distance: 200.0,
-                speed: f64::INFINITY,
-            },
-            guard: Guard {
-                rise: all,
-                fall: SwitchSet::EMPTY,
-            },
+            motion: Motion::Move { distance: 200.0, speed: f64::INFINITY },
+            guard: Guard { rise: all, fall: SwitchSet::EMPTY },
             why: "driving until something is met",
         })
     }
@@ -242,10 +216,9 @@ impl Search {
         tell: &mut Vec<EventKind>,
     ) -> Option<Next> {
         let (by, side) = match rest.reason {
-            DoneReason::Guard { sensor, .. } => (
-                self.chassis.sensors[sensor].name.clone(),
-                side_of(&self.chassis, sensor),
-            ),
+            DoneReason::Guard { sensor, .. } => {
+                (self.chassis.sensors[sensor].name.clone(), side_of(&self.chassis, sensor))
+            }
             DoneReason::Bumper | DoneReason::Stalled => ("bumper".to_owned(), Side::Left),
             _ => {
                 self.doing = Doing::Driving;
@@ -280,13 +253,7 @@ impl Search {
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
         let (outline, class) = object_outline(&contacts, true);
         let id = map.objects.len() as u32 + 1;
-        map.objects.push(MappedObject {
-            id,
-            class,
-            outline,
-            closed: true,
-            contacts,
-        });
+        map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
         tell.push(EventKind::ObjectClosed { id });
     }
 }
@@ -294,11 +261,7 @@ impl Search {
 /// On which hand to keep what `sensor` saw: right only when it saw it on the right.
 fn side_of(chassis: &Chassis, sensor: usize) -> Side {
     let bearing = chassis.sensors[sensor].angle;
-    if bearing < -0.5 && bearing > 0.1 - angle::PI {
-        Side::Right
-    } else {
-        Side::Left
-    }
+    if bearing < -0.5 && bearing > 0.1 - angle::PI { Side::Right } else { Side::Left }
 }
 
 /// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to

@@ -6,6 +6,8 @@
 //! Every touch of something mapped corrects the pose. When all lines are driven, what they could
 //! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps.
 
+mod drive;
+
 use super::adjust::Adjustment;
 use super::circuit::{Circuit, Leg};
 use super::event::{EventKind, Failure};
@@ -22,6 +24,7 @@ use super::shape::object_outline;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+use drive::{Drive, best_chord};
 use std::collections::VecDeque;
 
 /// A contact this near to something mapped belongs to it, metres.
@@ -35,36 +38,12 @@ const MOST_BUMPS: u32 = 3;
 /// Extra lines at most, so that a tour always ends.
 const MOST_EXTRA: usize = 60;
 
-/// The piece of a line that is being driven.
-#[derive(Debug, Clone)]
-struct Drive {
-    id: u32,
-    from: Point,
-    to: Point,
-    /// Metres along from `from` that are done with.
-    done: f64,
-    /// Whether the piece in hand lies on the line, or is the way to it.
-    on_line: bool,
-    /// Where the piece in hand ends, metres along.
-    piece_end: f64,
-    bumps: u32,
-    skipped: bool,
-    way: VecDeque<Point>,
-    /// The same line again from the other end: an object was met (two-pass contour).
-    again: bool,
-}
-
 #[derive(Debug, Clone)]
 enum Doing {
     Choosing,
     Driving(Box<Drive>),
     BackingOff(Box<Drive>),
-    Rounding {
-        circuit: Box<Circuit>,
-        drive: Box<Drive>,
-        id: u32,
-        tried_other: bool,
-    },
+    Rounding { circuit: Box<Circuit>, drive: Box<Drive>, id: u32, tried_other: bool },
 }
 
 /// The tour of the plan.
@@ -95,33 +74,22 @@ impl Tour {
         let plan = map.plan.as_ref();
         let length = |id: u32| {
             let line = plan.and_then(|plan| plan.lines.iter().find(|line| line.id == id));
-            line.and_then(|line| line.drive)
-                .map_or(0.0, |(a, b)| (b - a).norm())
+            line.and_then(|line| line.drive).map_or(0.0, |(a, b)| (b - a).norm())
         };
-        let queue: VecDeque<(u32, bool)> = plan
-            .map(|plan| plan.order.clone())
-            .unwrap_or_default()
-            .into();
+        let queue: VecDeque<(u32, bool)> =
+            plan.map(|plan| plan.order.clone()).unwrap_or_default().into();
         Self {
             chassis: settings.chassis.clone(),
             alpha: settings.alpha,
             contour: settings.contour,
             floor: None,
-            outline: map
-                .shape
-                .as_ref()
-                .map(|shape| shape.outline.clone())
-                .unwrap_or_default(),
+            outline: map.shape.as_ref().map(|shape| shape.outline.clone()).unwrap_or_default(),
             doing: Doing::Choosing,
             total: queue.iter().map(|(id, _)| length(*id)).sum(),
             queue,
             driven: 0.0,
             wall: Wall::new(&settings.chassis),
-            objects: map
-                .objects
-                .iter()
-                .map(|object| object.outline.clone())
-                .collect(),
+            objects: map.objects.iter().map(|object| object.outline.clone()).collect(),
             covered: 0,
             coverage: Coverage::new(),
             given_up: Vec::new(),
@@ -139,11 +107,7 @@ impl Tour {
     /// Share of the plan's metres that are done with, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
-        if self.total > 0.0 {
-            (self.driven / self.total).min(1.0)
-        } else {
-            0.0
-        }
+        if self.total > 0.0 { (self.driven / self.total).min(1.0) } else { 0.0 }
     }
 
     /// The contacts that are being collected.
@@ -185,20 +149,13 @@ impl Tour {
         }
         let normal = crate::geometry::perp(piece.tangent(foot.t));
         let incidence = (from - point).normalize().dot(&normal).abs();
-        (incidence > 0.5).then_some(Surface {
-            at: foot.point,
-            normal,
-        })
+        (incidence > 0.5).then_some(Surface { at: foot.point, normal })
     }
 
     fn known_distance(&self, point: Point) -> (f64, Option<usize>) {
         let mut best = (self.outline.distance(point), None);
         for (index, ring) in self.objects.iter().enumerate() {
-            let distance = if ring.contains(point) {
-                0.0
-            } else {
-                ring.distance(point)
-            };
+            let distance = if ring.contains(point) { 0.0 } else { ring.distance(point) };
             if distance < best.0 {
                 best = (distance, Some(index));
             }
@@ -208,8 +165,7 @@ impl Tour {
 
     fn floor(&mut self, from: Point) -> &Floor {
         let objects: Vec<&Ring> = self.objects.iter().collect();
-        self.floor
-            .get_or_insert_with(|| Floor::new(&self.outline, &objects, &self.chassis, from))
+        self.floor.get_or_insert_with(|| Floor::new(&self.outline, &objects, &self.chassis, from))
     }
 
     /// The robot came to rest: the next motion; none when the tour is over.
@@ -222,10 +178,7 @@ impl Tour {
         tell: &mut Vec<EventKind>,
     ) -> Option<Ask> {
         // What is believed now may have been corrected since the robot came to rest.
-        let rest = AtRest {
-            pose: tracker.pose(),
-            ..*rest
-        };
+        let rest = AtRest { pose: tracker.pose(), ..*rest };
         let mut reason = Some(rest.reason);
         for _ in 0..200 {
             match std::mem::replace(&mut self.doing, Doing::Choosing) {
@@ -244,18 +197,8 @@ impl Tour {
                         return Some(ask);
                     }
                 }
-                Doing::Rounding {
-                    circuit,
-                    drive,
-                    id,
-                    tried_other,
-                } => {
-                    let round = Round {
-                        circuit,
-                        drive,
-                        id,
-                        tried_other,
-                    };
+                Doing::Rounding { circuit, drive, id, tried_other } => {
+                    let round = Round { circuit, drive, id, tried_other };
                     if let Some(ask) = self.round(round, tracker, filter, &rest, map, tell) {
                         return Some(ask);
                     }
@@ -275,12 +218,7 @@ impl Tour {
     ) -> Option<Drive> {
         self.begun = true;
         while let Some((id, backwards)) = self.queue.pop_front() {
-            let line = map
-                .plan
-                .as_mut()?
-                .lines
-                .iter_mut()
-                .find(|line| line.id == id)?;
+            let line = map.plan.as_mut()?.lines.iter_mut().find(|line| line.id == id)?;
             let Some((a, b)) = line.drive else {
                 finish(line, LineStatus::Skipped, Some(LineReason::NoClearance));
                 continue;
@@ -327,11 +265,7 @@ impl Tour {
         self.given_up.push(at);
         let (from, to) = chord.unwrap_or((at, at));
         let near = |p: &Point| (p - rest.pose.position).norm();
-        let (from, to) = if near(&to) < near(&from) {
-            (to, from)
-        } else {
-            (from, to)
-        };
+        let (from, to) = if near(&to) < near(&from) { (to, from) } else { (from, to) };
         let plan = map.plan.as_mut()?;
         let id = plan.lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
         plan.lines.push(PlanLine {
@@ -345,10 +279,7 @@ impl Tour {
             status: LineStatus::Driving,
             reason: None,
         });
-        tell.push(EventKind::LineBegan {
-            id,
-            backwards: false,
-        });
+        tell.push(EventKind::LineBegan { id, backwards: false });
         Some(Drive::new(id, from, to))
     }
 
@@ -362,17 +293,9 @@ impl Tour {
         tell: &mut Vec<EventKind>,
     ) -> Option<Ask> {
         match reason {
-            Some(DoneReason::Guard {
-                sensor,
-                rising: true,
-            }) => {
-                if let Some(seen) = self
-                    .wall
-                    .log()
-                    .iter()
-                    .rev()
-                    .find(|s| s.sensor == Some(sensor))
-                    .copied()
+            Some(DoneReason::Guard { sensor, rising: true }) => {
+                if let Some(seen) =
+                    self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied()
                 {
                     match self.known_distance(seen.point) {
                         (distance, None) if distance < KNOWN => tell.push(EventKind::NearBoundary),
@@ -405,10 +328,7 @@ impl Tour {
                 }
                 self.doing = Doing::BackingOff(drive);
                 return Some(Ask {
-                    motion: Motion::Move {
-                        distance: -0.04,
-                        speed: f64::INFINITY,
-                    },
+                    motion: Motion::Move { distance: -0.04, speed: f64::INFINITY },
                     guard: Guard::default(),
                     why: "touched something mapped: backing off",
                 });
@@ -445,32 +365,15 @@ impl Tour {
                 let slack = (0.004 / distance).clamp(0.008, 0.2);
                 let ask = if turn.abs() > slack {
                     Ask {
-                        motion: Motion::Turn {
-                            angle: turn,
-                            rate: f64::INFINITY,
-                        },
+                        motion: Motion::Turn { angle: turn, rate: f64::INFINITY },
                         guard: Guard::default(),
-                        why: if on_line {
-                            "facing along the line"
-                        } else {
-                            "facing along the way"
-                        },
+                        why: if on_line { "facing along the line" } else { "facing along the way" },
                     }
                 } else {
                     Ask {
-                        motion: Motion::Move {
-                            distance,
-                            speed: f64::INFINITY,
-                        },
-                        guard: Guard {
-                            rise: self.watched(),
-                            fall: SwitchSet::EMPTY,
-                        },
-                        why: if on_line {
-                            "driving the line"
-                        } else {
-                            "on the way to the line"
-                        },
+                        motion: Motion::Move { distance, speed: f64::INFINITY },
+                        guard: Guard { rise: self.watched(), fall: SwitchSet::EMPTY },
+                        why: if on_line { "driving the line" } else { "on the way to the line" },
                     }
                 };
                 self.doing = Doing::Driving(drive);
@@ -492,9 +395,7 @@ impl Tour {
             .sensors
             .iter()
             .enumerate()
-            .fold(SwitchSet::EMPTY, |set, (index, mount)| {
-                set.with(index, mount.angle.abs() < 1.8)
-            })
+            .fold(SwitchSet::EMPTY, |set, (index, mount)| set.with(index, mount.angle.abs() < 1.8))
     }
 
     /// Finds the next free piece of the line, or the way to it; false when the line is done with.
@@ -540,19 +441,13 @@ impl Tour {
         tell: &mut Vec<EventKind>,
     ) {
         self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);
-        let line = map
-            .plan
-            .as_mut()
-            .and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
+        let line = map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
         if let Some(line) = line {
             finish(line, status, reason);
         }
         tell.push(match reason {
             None => EventKind::LineDriven { id: drive.id },
-            Some(reason) => EventKind::LineEnded {
-                id: drive.id,
-                reason,
-            },
+            Some(reason) => EventKind::LineEnded { id: drive.id, reason },
         });
         if self.contour == Contour::TwoPass && drive.again {
             self.queue.push_front((drive.id, true));
@@ -573,21 +468,12 @@ impl Tour {
         let id = map.objects.len() as u32 + 1;
         tell.push(EventKind::ObjectFound { id, by });
         // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
-        let side = if bearing > 0.1 {
-            Side::Left
-        } else {
-            Side::Right
-        };
+        let side = if bearing > 0.1 { Side::Left } else { Side::Right };
         drive.way.clear();
         let mut wall = Wall::new(&self.chassis);
         wall.adopt(seen);
         let circuit = Box::new(Circuit::new(&self.chassis, side, wall, 0.25));
-        self.doing = Doing::Rounding {
-            circuit,
-            drive,
-            id,
-            tried_other: false,
-        };
+        self.doing = Doing::Rounding { circuit, drive, id, tried_other: false };
         None
     }
 
@@ -605,18 +491,8 @@ impl Tour {
         }
         match round.circuit.next(tracker, rest) {
             Leg::Go(ask) => {
-                let Round {
-                    circuit,
-                    drive,
-                    id,
-                    tried_other,
-                } = round;
-                self.doing = Doing::Rounding {
-                    circuit,
-                    drive,
-                    id,
-                    tried_other,
-                };
+                let Round { circuit, drive, id, tried_other } = round;
+                self.doing = Doing::Rounding { circuit, drive, id, tried_other };
                 Some(ask)
             }
             Leg::Closed(closure, misclosure) if closure.is_extrinsic() => {
@@ -646,10 +522,7 @@ impl Tour {
     fn is_at_boundary(&self, circuit: &Circuit) -> bool {
         let log = circuit.wall.log();
         let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
-        recent.len() == 14
-            && recent
-                .iter()
-                .all(|seen| self.outline.distance(seen.point) < KNOWN)
+        recent.len() == 14 && recent.iter().all(|seen| self.outline.distance(seen.point) < KNOWN)
     }
 
     fn left_open(
@@ -700,88 +573,7 @@ struct Round {
     tried_other: bool,
 }
 
-impl Drive {
-    fn new(id: u32, from: Point, to: Point) -> Self {
-        Self {
-            id,
-            from,
-            to,
-            done: 0.0,
-            on_line: false,
-            piece_end: 0.0,
-            bumps: 0,
-            skipped: false,
-            way: VecDeque::new(),
-            again: false,
-        }
-    }
-
-    /// The place `along` metres along the line.
-    fn at(&self, along: f64) -> Point {
-        let length = (self.to - self.from).norm();
-        if length < 1e-9 {
-            self.from
-        } else {
-            self.from + (self.to - self.from) * (along / length)
-        }
-    }
-
-    /// The next stretch, from what is done on, in which the body has `clearance`: metres along.
-    fn free_piece(&self, floor: &Floor, clearance: f64) -> Option<(f64, f64)> {
-        let length = (self.to - self.from).norm();
-        if length < 0.02 {
-            let fresh = self.done <= 0.0 && self.piece_end <= 0.0;
-            return (fresh && floor.clearance(self.from) >= clearance).then_some((0.0, 0.001));
-        }
-        let steps = (length / 0.01).ceil();
-        let mut piece: Option<(f64, f64)> = None;
-        for k in 0..=steps as u32 {
-            let along = length * f64::from(k) / steps;
-            if along + 1e-9 < self.done {
-                continue;
-            }
-            if floor.clearance(self.at(along)) >= clearance {
-                piece = Some((piece.map_or(along, |(begin, _)| begin), along));
-            } else if piece.is_some_and(|(begin, end)| end - begin > 0.03) {
-                return piece;
-            } else {
-                piece = None;
-            }
-        }
-        piece.filter(|(begin, end)| end - begin > 0.015)
-    }
-}
-
 fn finish(line: &mut PlanLine, status: LineStatus, reason: Option<LineReason>) {
     line.status = status;
     line.reason = reason;
-}
-
-/// The longest straight drive through the middle of a hidden disc, or past it, of a few directions.
-fn best_chord(floor: &Floor, at: Point, diameter: f64, clearance: f64) -> Option<(Point, Point)> {
-    let mut best: Option<(Point, Point)> = None;
-    for k in 0..12 {
-        let direction = angle::unit(f64::from(k) * angle::PI / 12.0);
-        let reach = |sign: f64| {
-            let most = (diameter * 30.0) as i32;
-            (0..=most)
-                .map(|step| at + direction * (sign * f64::from(step) * 0.02))
-                .take_while(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
-                .last()
-        };
-        if let (Some(a), Some(b)) = (reach(-1.0), reach(1.0))
-            && best.is_none_or(|(p, q)| (b - a).norm() > (q - p).norm())
-        {
-            best = Some((a, b));
-        }
-    }
-    best.or_else(|| {
-        // The middle itself is out of reach: the nearest place that is not.
-        let ring = (1..=16).flat_map(|ring| {
-            (0..24).map(move |k| at + angle::unit(f64::from(k) * 0.2618) * (f64::from(ring) * 0.01))
-        });
-        ring.into_iter()
-            .find(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
-            .map(|p| (p, p))
-    })
 }

@@ -80,11 +80,7 @@ impl Stretch {
         }
         let along = angle::unit(angle::atan2(2.0 * xy, xx - yy) / 2.0);
         let across: f64 = points.iter().map(|p| cross(along, p - at).powi(2)).sum();
-        Some(Self {
-            at,
-            along,
-            residual: (across / count).sqrt(),
-        })
+        Some(Self { at, along, residual: (across / count).sqrt() })
     }
 
     /// Distance along the ray from `from` towards `direction` to this stretch; none if they run
@@ -154,21 +150,14 @@ impl Wall {
 
     /// The living sightings near the robot, oldest first.
     pub fn near(&self) -> impl DoubleEndedIterator<Item = &Sighting> {
-        self.near
-            .iter()
-            .map(|&index| &self.log[index])
-            .filter(|seen| seen.alive)
+        self.near.iter().map(|&index| &self.log[index]).filter(|seen| seen.alive)
     }
 
     /// Takes one edge, seen from `pose`; `turning` tells which motion was under way. Returns it as
     /// it was judged.
     pub fn observe(&mut self, edge: &Edge, pose: Pose, turning: bool, travelled: f64) -> Sighting {
         let beam = pose.heading + self.beams.get(edge.sensor).copied().unwrap_or(0.0);
-        let distance = if edge.rising {
-            self.reach
-        } else {
-            self.reach + self.hysteresis
-        };
+        let distance = if edge.rising { self.reach } else { self.reach + self.hysteresis };
         let mut seen = Sighting {
             point: pose.position + angle::unit(beam) * distance,
             pose,
@@ -273,9 +262,7 @@ impl Wall {
             (off < 0.012 && fits(along)).then(|| seen.pose.position + direction * along)
         });
         known_tip.or_else(|| {
-            let distance = self
-                .stretch_near(seen)?
-                .meets(seen.pose.position, direction)?;
+            let distance = self.stretch_near(seen)?.meets(seen.pose.position, direction)?;
             fits(distance).then(|| seen.pose.position + direction * distance)
         })
     }
@@ -292,10 +279,8 @@ impl Wall {
             .filter(|point| (point - middle).norm() < 0.22)
             .collect();
         let stretch = Stretch::through(&points)?;
-        let spread = points
-            .iter()
-            .map(|p| stretch.along.dot(&(p - stretch.at)).abs())
-            .fold(0.0, f64::max);
+        let spread =
+            points.iter().map(|p| stretch.along.dot(&(p - stretch.at)).abs()).fold(0.0, f64::max);
         (spread > 0.012 && stretch.residual < 0.006).then_some(stretch)
     }
 
@@ -311,10 +296,7 @@ impl Wall {
         });
         let turned = angle::wrap(pose.heading - from.heading);
         let moved = pose.position - from.position;
-        let steps = ((turned.abs() / 0.2)
-            .ceil()
-            .max((moved.norm() / 0.02).ceil()) as u32)
-            .max(1);
+        let steps = ((turned.abs() / 0.2).ceil().max((moved.norm() / 0.02).ceil()) as u32).max(1);
         let mut previous = from;
         for k in 1..=steps {
             let share = f64::from(k) / f64::from(steps);
@@ -359,12 +341,7 @@ impl Wall {
 
     /// Marks the sighting that came last as `kind` at `point` (used when the next look decides).
     pub fn revise_last(&mut self, time_us: u64, kind: ContactKind, point: Point) {
-        if let Some(seen) = self
-            .log
-            .iter_mut()
-            .rev()
-            .find(|seen| seen.time_us == time_us)
-        {
+        if let Some(seen) = self.log.iter_mut().rev().find(|seen| seen.time_us == time_us) {
             seen.kind = kind;
             seen.point = point;
             seen.alive = true;

@@ -27,11 +27,7 @@ impl SwitchSet {
     /// This set with switch `index` in it or not.
     #[must_use]
     pub fn with(self, index: usize, on: bool) -> Self {
-        if on {
-            Self(self.0 | 1 << index)
-        } else {
-            Self(self.0 & !(1 << index))
-        }
+        if on { Self(self.0 | 1 << index) } else { Self(self.0 & !(1 << index)) }
     }
 
     /// Everything in either set.

@@ -73,11 +73,7 @@ impl RealClock {
     /// Starts now.
     #[must_use]
     pub fn start() -> Self {
-        Self {
-            watch: Stopwatch::start(),
-            last: 0.0,
-            frame: -1.0,
-        }
+        Self { watch: Stopwatch::start(), last: 0.0, frame: -1.0 }
     }
 }
 
@@ -91,6 +87,10 @@ impl Clock for RealClock {
 
     fn has_spent(&self, budget: Duration) -> bool {
         self.watch.seconds() - self.last > budget.as_secs_f64()
+    }
+
+    fn ticker(&self, every: Duration) -> tokio::time::Interval {
+        tokio::time::interval(every)
     }
 
     fn frame_is_due(&mut self, pause: Duration) -> bool {

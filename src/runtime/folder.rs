@@ -47,10 +47,7 @@ pub enum FolderError {
 
 impl FolderError {
     fn unwritable(path: &Path, error: &io::Error) -> Self {
-        Self::Unwritable {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        }
+        Self::Unwritable { path: path.to_owned(), reason: error.to_string() }
     }
 }
 
@@ -61,10 +58,7 @@ impl OutputFolder {
     /// When it does.
     pub fn refuse_taken(path: &Path) -> Result<(), FolderError> {
         match MARKS.into_iter().find(|mark| path.join(mark).exists()) {
-            Some(mark) => Err(FolderError::Taken {
-                path: path.to_owned(),
-                mark,
-            }),
+            Some(mark) => Err(FolderError::Taken { path: path.to_owned(), mark }),
             None => Ok(()),
         }
     }
@@ -83,12 +77,7 @@ impl OutputFolder {
             .create_new(true)
             .open(&journal)
             .map_err(|error| FolderError::unwritable(&journal, &error))?;
-        Ok((
-            Self {
-                path: path.to_owned(),
-            },
-            file,
-        ))
+        Ok((Self { path: path.to_owned() }, file))
     }
 
     /// Where it is.
@@ -168,35 +157,16 @@ mod tests {
         assert!(failures.is_empty(), "{failures:?}");
         let mut names: Vec<String> = fs::read_dir(&path)
             .expect("the folder")
-            .map(|entry| {
-                entry
-                    .expect("an entry")
-                    .file_name()
-                    .to_string_lossy()
-                    .into_owned()
-            })
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
             .collect();
         names.sort();
-        let expected = [
-            "journal",
-            "map.geojson",
-            "map.json",
-            "map.png",
-            "map.svg",
-            "report.json",
-        ];
+        let expected = ["journal", "map.geojson", "map.json", "map.png", "map.svg", "report.json"];
         assert_eq!(names, expected, "all results and nothing half written");
         let size = fs::metadata(path.join("map.json")).expect("map.json").len();
         let report = fs::read_to_string(path.join("report.json")).expect("report.json");
-        assert!(
-            report.contains(&format!("\"map_bytes\": {size}")),
-            "the report tells the size"
-        );
+        assert!(report.contains(&format!("\"map_bytes\": {size}")), "the report tells the size");
         let again = OutputFolder::create(&path).expect_err("a second run");
-        assert!(
-            again.to_string().contains("holds another run (journal)"),
-            "{again}"
-        );
+        assert!(again.to_string().contains("holds another run (journal)"), "{again}");
         let _ = fs::remove_dir_all(&path);
     }
 
@@ -208,12 +178,7 @@ mod tests {
         fs::create_dir_all(path.join("map.svg/in the way")).expect("an obstacle");
         let failures = folder.write_results(&sample::room().record());
         assert_eq!(failures.len(), 1, "{failures:?}");
-        assert!(
-            failures[0]
-                .to_string()
-                .contains("map.svg: cannot be written"),
-            "{failures:?}"
-        );
+        assert!(failures[0].to_string().contains("map.svg: cannot be written"), "{failures:?}");
         for name in ["map.geojson", "map.json", "map.png", "report.json"] {
             assert!(path.join(name).is_file(), "{name} is missing");
         }

@@ -34,15 +34,11 @@ impl Bar {
     /// Shows how far the run has come after `wall` seconds.
     pub fn show(&mut self, progress: &Progress, wall: f64) {
         let Some(bar) = &self.bar else { return };
-        let index = PHASES
-            .iter()
-            .position(|&phase| phase == progress.phase)
-            .unwrap_or(0);
+        let index = PHASES.iter().position(|&phase| phase == progress.phase).unwrap_or(0);
         let within = progress.share.unwrap_or(0.0).clamp(0.0, 1.0) * PER_PHASE as f64;
         bar.set_position(index as u64 * PER_PHASE + within as u64);
-        let share = progress
-            .share
-            .map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
+        let share =
+            progress.share.map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
         bar.set_message(format!(
             "{}{share} · {:.0} s simulated, {:.1} m driven · {wall:.0} s",
             progress.phase, progress.time, progress.travel

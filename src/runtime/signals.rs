@@ -66,31 +66,27 @@ impl Signals {
     pub fn listen() -> io::Result<Self> {
         let signals = Self::none();
         let heard = signals.clone();
-        let runtime = tokio::runtime::Builder::new_current_thread()
-            .enable_io()
-            .build()?;
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build()?;
         let guard = runtime.enter();
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut terminate = signal(SignalKind::terminate())?;
         let mut hang_up = signal(SignalKind::hangup())?;
         drop(guard);
-        std::thread::Builder::new()
-            .name("signals".to_owned())
-            .spawn(move || {
-                runtime.block_on(async {
-                    loop {
-                        let signal = tokio::select! {
-                            _ = interrupt.recv() => Signal::Interrupt,
-                            _ = terminate.recv() => Signal::Terminate,
-                            _ = hang_up.recv() => Signal::HangUp,
-                        };
-                        if heard.received().is_some() {
-                            std::process::exit(i32::from(signal.status()));
-                        }
-                        heard.raise(signal);
+        std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
+            runtime.block_on(async {
+                loop {
+                    let signal = tokio::select! {
+                        _ = interrupt.recv() => Signal::Interrupt,
+                        _ = terminate.recv() => Signal::Terminate,
+                        _ = hang_up.recv() => Signal::HangUp,
+                    };
+                    if heard.received().is_some() {
+                        std::process::exit(i32::from(signal.status()));
                     }
-                });
-            })?;
+                    heard.raise(signal);
+                }
+            });
+        })?;
         Ok(signals)
     }
 
@@ -106,8 +102,6 @@ impl Signals {
     /// Acts as if `signal` had been received.
     pub fn raise(&self, signal: Signal) {
         // The first one counts: it names the reason in the report.
-        let _ = self
-            .0
-            .compare_exchange(0, signal.code(), Ordering::Relaxed, Ordering::Relaxed);
+        let _ = self.0.compare_exchange(0, signal.code(), Ordering::Relaxed, Ordering::Relaxed);
     }
 }

@@ -84,10 +84,7 @@ impl<W: Write> SimulatedRun<W> {
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         self.link.is_moving()
-            || matches!(
-                self.session.run_state(),
-                RunState::Running | RunState::Stepping(_)
-            )
+            || matches!(self.session.run_state(), RunState::Running | RunState::Stepping(_))
     }
 
     fn take_telemetry(&mut self) {
@@ -216,10 +213,10 @@ impl<W: Write> Headless<W> {
         let mut failures: Vec<String> = Vec::new();
         failures.extend(self.finish_journal().err().map(|error| error.to_string()));
         self.run.conclude();
-        let ending = self.run.ending().unwrap_or(Ending {
-            outcome: Outcome::Stopped,
-            reason: Failure::Ended.to_string(),
-        });
+        let ending = self
+            .run
+            .ending()
+            .unwrap_or(Ending { outcome: Outcome::Stopped, reason: Failure::Ended.to_string() });
         let written = folder.write_results(&self.run.record_of(&ending, 0.0));
         failures.extend(written.iter().map(ToString::to_string));
         failures
@@ -235,11 +232,7 @@ impl<W: Write> Headless<W> {
 impl<W: Write> Runner for Headless<W> {
     fn step(&mut self) -> Step {
         self.run.advance();
-        self.idle = if self.run.link.is_moving() {
-            0
-        } else {
-            self.idle + 1
-        };
+        self.idle = if self.run.link.is_moving() { 0 } else { self.idle + 1 };
         let stuck = (self.idle > LONGEST_SILENCE).then(|| Ending {
             outcome: Outcome::Failed,
             reason: "nothing happens any more".to_owned(),
@@ -277,9 +270,6 @@ impl<W: Write> Runner for Headless<W> {
     }
 
     fn finish_journal(&mut self) -> std::io::Result<()> {
-        self.run
-            .journal
-            .take()
-            .map_or(Ok(()), |journal| journal.finish().map(|_| ()))
+        self.run.journal.take().map_or(Ok(()), |journal| journal.finish().map(|_| ()))
     }
 }

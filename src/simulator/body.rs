@@ -38,9 +38,7 @@ impl Body {
     pub fn new(world: &World, chassis: &Chassis, profile: NoiseProfile, seed: u64) -> Self {
         let count = chassis.sensors.len();
         let mut noise = Noise::new(profile, seed, count);
-        let limits = (0..count)
-            .map(|k| chassis.radius + noise.range(k, chassis.range))
-            .collect();
+        let limits = (0..count).map(|k| chassis.radius + noise.range(k, chassis.range)).collect();
         let slack = 0.03 + chassis.hysteresis + 0.15 * chassis.range;
         let mut body = Self {
             grid: ReachGrid::new(world, chassis.reach() + slack),
@@ -54,11 +52,7 @@ impl Body {
             gyro: world.start.heading,
             switches: SwitchSet::EMPTY,
             limits,
-            beams: chassis
-                .sensors
-                .iter()
-                .map(|mount| angle::unit(mount.angle))
-                .collect(),
+            beams: chassis.sensors.iter().map(|mount| angle::unit(mount.angle)).collect(),
             bumper: false,
             edges: VecDeque::new(),
             truth: world.start,
@@ -150,9 +144,8 @@ impl Body {
                 return contact.is_some_and(|at| self.covers(next, at));
             }
             contact = Some(at);
-            let away = (next.position - at)
-                .try_normalize(1e-12)
-                .unwrap_or_else(|| -next.direction());
+            let away =
+                (next.position - at).try_normalize(1e-12).unwrap_or_else(|| -next.direction());
             next.position = at + away * (radius + 1e-7);
         }
         next.position = from;
@@ -228,14 +221,7 @@ impl Body {
                 right_ticks: self.ticks(between(before.1[1], self.wheels[1])),
                 heading: between(before.2, self.gyro),
             };
-            self.edges.push_back((
-                Edge {
-                    sensor: index,
-                    rising,
-                    odometer,
-                },
-                at(share),
-            ));
+            self.edges.push_back((Edge { sensor: index, rising, odometer }, at(share)));
         }
     }
 

@@ -42,9 +42,7 @@ impl FromStr for NoiseProfile {
             "calibrated" => Ok(Self::Calibrated),
             "raw" => Ok(Self::Raw),
             "harsh" => Ok(Self::Harsh),
-            _ => Err(format!(
-                "\"{word}\" is no noise profile; use none, calibrated, raw or harsh"
-            )),
+            _ => Err(format!("\"{word}\" is no noise profile; use none, calibrated, raw or harsh")),
         }
     }
 }

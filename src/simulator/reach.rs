@@ -20,11 +20,7 @@ pub struct Segment {
 impl Segment {
     fn new(from: Point, to: Point) -> Self {
         let along = to - from;
-        Self {
-            from,
-            along,
-            inverse_square: 1.0 / along.norm_squared().max(1e-18),
-        }
+        Self { from, along, inverse_square: 1.0 / along.norm_squared().max(1e-18) }
     }
 
     /// The point of the segment nearest to `p`.
@@ -66,10 +62,7 @@ impl ReachGrid {
     /// A grid over `segments`.
     #[must_use]
     pub fn of(segments: &[Segment], reach: f64) -> Self {
-        let ends: Vec<Point> = segments
-            .iter()
-            .flat_map(|s| [s.from, s.from + s.along])
-            .collect();
+        let ends: Vec<Point> = segments.iter().flat_map(|s| [s.from, s.from + s.along]).collect();
         let (low, high) = bounds(&ends).unwrap_or((Point::origin(), Point::origin()));
         let low = low - Vector::repeat(reach);
         let size = high + Vector::repeat(reach) - low;
@@ -100,14 +93,7 @@ impl ReachGrid {
             listed.extend(cell.iter().map(|&index| segments[index as usize]));
         }
         first.push(listed.len() as u32);
-        Self {
-            low,
-            pitch,
-            columns,
-            rows,
-            first,
-            listed,
-        }
+        Self { low, pitch, columns, rows, first, listed }
     }
 
     /// Every segment within reach of `p`, and perhaps some a little farther.
@@ -150,11 +136,8 @@ pub fn cast(segments: &[Segment], from: Point, ray: Vector) -> f64 {
         let slope = cross(ray, segment.along);
         let along = cross(off, segment.along);
         let share = cross(off, ray);
-        let (along, share, slope) = if slope < 0.0 {
-            (-along, -share, -slope)
-        } else {
-            (along, share, slope)
-        };
+        let (along, share, slope) =
+            if slope < 0.0 { (-along, -share, -slope) } else { (along, share, slope) };
         if slope > 1e-14 && along >= 0.0 && share >= 0.0 && share <= slope && along < best * slope {
             best = along / slope;
         }
@@ -178,11 +161,8 @@ mod tests {
         let lines: Vec<Polyline> = std::iter::once(&world.boundary)
             .chain(world.objects.iter().map(|o| &o.ring))
             .map(|ring| {
-                let mut points: Vec<ParryVector> = ring
-                    .to_points(SAGITTA)
-                    .iter()
-                    .map(|p| ParryVector::new(p.x, p.y))
-                    .collect();
+                let mut points: Vec<ParryVector> =
+                    ring.to_points(SAGITTA).iter().map(|p| ParryVector::new(p.x, p.y)).collect();
                 points.push(points[0]);
                 Polyline::new(points, None)
             })
@@ -201,10 +181,7 @@ mod tests {
             let ours = cast(grid.near(p), p, direction);
             if theirs.is_finite() {
                 met += 1;
-                assert!(
-                    (theirs - ours).abs() < 1e-9,
-                    "ray from {p}: parry {theirs}, grid {ours}"
-                );
+                assert!((theirs - ours).abs() < 1e-9, "ray from {p}: parry {theirs}, grid {ours}");
             } else {
                 assert!(ours > 0.3 - 1e-9, "ray from {p}: parry none, grid {ours}");
             }
@@ -214,10 +191,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min);
             if far < 0.3 {
                 let (_, ours) = nearest(grid.near(p), p).expect("a wall within reach");
-                assert!(
-                    (far - ours).abs() < 1e-9,
-                    "at {p}: parry {far}, grid {ours}"
-                );
+                assert!((far - ours).abs() < 1e-9, "at {p}: parry {far}, grid {ours}");
             }
         }
         assert!(met > 100, "only {met} rays met anything");

@@ -45,10 +45,7 @@ pub struct WorldError {
 
 impl WorldError {
     fn new(place: impl Into<String>, what: impl Into<String>) -> Self {
-        Self {
-            place: place.into(),
-            what: what.into(),
-        }
+        Self { place: place.into(), what: what.into() }
     }
 }
 
@@ -112,10 +109,7 @@ impl World {
             return says(format!("({}, {}) lies outside the room", at.x, at.y));
         }
         if let Some(object) = self.objects.iter().find(|object| object.ring.contains(at)) {
-            return says(format!(
-                "({}, {}) lies inside object \"{}\"",
-                at.x, at.y, object.name
-            ));
+            return says(format!("({}, {}) lies inside object \"{}\"", at.x, at.y, object.name));
         }
         let room = std::iter::once(&self.boundary)
             .chain(self.objects.iter().map(|object| &object.ring))
@@ -159,30 +153,12 @@ mod tests {
         let square = "[boundary]\nvertices = [[0,0],[4,0],[4,4],[0,4]]\n";
         let table = [
             (format!("{START}{square}colour = 3\n"), "colour"),
-            (
-                format!("{START}[boundary]\nvertexes = [[0,0],[4,0],[4,4]]\n"),
-                "`vertices`",
-            ),
-            (
-                format!("{START}[boundary]\nvertices = [[0,0],[4,4],[4,0],[0,4]]\n"),
-                "crosses",
-            ),
-            (
-                format!("{START}[boundary]\nvertices = [[0,0],[4,0]]\n"),
-                "three",
-            ),
-            (
-                format!("{START}[boundary]\nvertices = [[0,0],[4,0],[nan,4]]\n"),
-                "not a number",
-            ),
-            (
-                format!("start = {{ x = 9, y = 1 }}\n{square}"),
-                "outside the room",
-            ),
-            (
-                format!("start = {{ x = 0.05, y = 1 }}\n{square}"),
-                "from a wall",
-            ),
+            (format!("{START}[boundary]\nvertexes = [[0,0],[4,0],[4,4]]\n"), "`vertices`"),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,4],[4,0],[0,4]]\n"), "crosses"),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,0]]\n"), "three"),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,0],[nan,4]]\n"), "not a number"),
+            (format!("start = {{ x = 9, y = 1 }}\n{square}"), "outside the room"),
+            (format!("start = {{ x = 0.05, y = 1 }}\n{square}"), "from a wall"),
             (
                 format!(
                     "{START}{square}[[objects]]\ncircle = {{ center = [1, 1], radius = 0.5 }}\n"
@@ -193,17 +169,11 @@ mod tests {
             (square.to_owned(), "start"),
             (START.to_owned(), "boundary"),
             (format!("{START}[boundary]\n"), "circle"),
-            (
-                format!("{START}[boundary]\nvertices = [[0,0],[4,0],[4,4\n"),
-                "room.toml:3",
-            ),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,0],[4,4\n"), "room.toml:3"),
         ];
         for (text, word) in table {
             let error = toml(&text).expect_err(&text).to_string();
-            assert!(
-                error.contains(word),
-                "{text}\nsaid: {error}\nwanted: {word}"
-            );
+            assert!(error.contains(word), "{text}\nsaid: {error}\nwanted: {word}");
             assert!(error.contains("room.toml"), "{error}");
         }
     }
@@ -213,10 +183,7 @@ mod tests {
         let text = format!("{START}[boundary]\nvertexes = [[0,0],[4,0],[4,4]]\n");
         let error = toml(&text).expect_err("unknown key").to_string();
         assert!(error.starts_with("room.toml:3"), "{error}");
-        assert!(
-            error.contains("vertexes") && error.contains("vertices"),
-            "{error}"
-        );
+        assert!(error.contains("vertexes") && error.contains("vertices"), "{error}");
     }
 
     #[test]
@@ -235,9 +202,7 @@ mod tests {
             ("not json", "line 1"),
         ];
         for (text, word) in cases {
-            let error = World::from_geojson(text, "a.geojson", 0.1)
-                .expect_err(text)
-                .to_string();
+            let error = World::from_geojson(text, "a.geojson", 0.1).expect_err(text).to_string();
             assert!(error.contains(word), "{text}\nsaid: {error}");
         }
     }

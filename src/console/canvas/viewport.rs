@@ -47,12 +47,7 @@ impl Viewport {
         let room = |cells: u16, dots: u16| (f64::from(cells) * f64::from(dots) - 4.0).max(1.0);
         let scale_x = (high.x - low.x) / room(cols, DOTS_X);
         let scale_y = (high.y - low.y) / room(rows, DOTS_Y);
-        Self::new(
-            nalgebra::center(&low, &high),
-            scale_x.max(scale_y),
-            cols,
-            rows,
-        )
+        Self::new(nalgebra::center(&low, &high), scale_x.max(scale_y), cols, rows)
     }
 
     /// Width shown, metres.
@@ -122,10 +117,7 @@ mod tests {
             let (low, high) = (Point::new(-3.0, -1.0), Point::new(9.0, 2.0));
             let view = Viewport::fit(low, high, cols, rows);
             for corner in [low, high, Point::new(low.x, high.y)] {
-                assert!(
-                    view.to_cell(corner).is_some(),
-                    "{corner} is out of view at {cols}x{rows}"
-                );
+                assert!(view.to_cell(corner).is_some(), "{corner} is out of view at {cols}x{rows}");
             }
         }
     }

@@ -12,10 +12,7 @@ use ratatui::layout::Rect;
 pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, map: Rect, buf: &mut Buffer) {
     let mut pen = Pen::new(buf, theme, map);
     if model.overlay == Overlay::ConfirmQuit {
-        let lines = [
-            "The robot is moving.",
-            "Stop it and quit?   y yes   any other key no",
-        ];
+        let lines = ["The robot is moving.", "Stop it and quit?   y yes   any other key no"];
         draw_box(&mut pen, map, map.y + map.height / 3, &lines, Role::Paused);
         return;
     }
@@ -23,23 +20,11 @@ pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, map: Rect,
         RunState::Stopped => {
             let clear = model.keymap.label(Action::ClearStop);
             let how = format!("{clear} clears the stop; phase and map are kept");
-            draw_box(
-                &mut pen,
-                map,
-                map.y,
-                &["■ ■ ■   S T O P P E D   ■ ■ ■", &how],
-                Role::Stopped,
-            );
+            draw_box(&mut pen, map, map.y, &["■ ■ ■   S T O P P E D   ■ ■ ■", &how], Role::Stopped);
         }
         RunState::Failed(why) => {
             let why = why.to_string();
-            draw_box(
-                &mut pen,
-                map,
-                map.y,
-                &["✗  the run has ended", &why],
-                Role::Failed,
-            );
+            draw_box(&mut pen, map, map.y, &["✗  the run has ended", &why], Role::Failed);
         }
         _ if matches!(snapshot.robot, Known::Unknown) => {
             let row = map.y + map.height / 2;

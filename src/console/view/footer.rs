@@ -25,11 +25,7 @@ pub(super) fn draw(
     }
     let mut x = area.x + 1;
     if let Some(hint) = &model.hint {
-        let role = if hint.refusal {
-            Role::Warning
-        } else {
-            Role::Hint
-        };
+        let role = if hint.refusal { Role::Warning } else { Role::Hint };
         let mark = if hint.refusal { "▲ " } else { "› " };
         x = pen.text(x, area.y, mark, role);
         x = pen.text(x, area.y, &hint.text, role);
@@ -49,10 +45,7 @@ fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, text: &str
     let help = if may_move(snapshot) && model.keymap.label(Action::Stop) == "space" {
         "space stops the robot; write alpha=0.3".to_owned()
     } else {
-        Command::candidates(text)
-            .take(6)
-            .collect::<Vec<_>>()
-            .join("  ")
+        Command::candidates(text).take(6).collect::<Vec<_>>().join("  ")
     };
     pen.text(x + 2, area.y, &help, Role::Muted);
 }
@@ -72,8 +65,7 @@ fn draw_keys(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, mut x: u16, 
         x = draw_entry(pen, entry, x, area.y);
     }
     if x <= right {
-        ends.iter()
-            .fold(right, |x, entry| draw_entry(pen, entry, x, area.y));
+        ends.iter().fold(right, |x, entry| draw_entry(pen, entry, x, area.y));
     }
 }
 

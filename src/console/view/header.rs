@@ -17,9 +17,7 @@ pub(super) fn draw(
 ) {
     let mut pen = Pen::new(buf, theme, area);
     let (state, role) = words::run_state(snapshot);
-    let speed = model
-        .speed
-        .map_or_else(|| "live".to_owned(), |speed| speed.to_string());
+    let speed = model.speed.map_or_else(|| "live".to_owned(), |speed| speed.to_string());
     let time = words::clock(snapshot.time);
     let right = pen.text_right(area.right() - 1, area.y, &time, Role::Value);
     let right = pen.text_right(right - 2, area.y, &speed, Role::Muted);
@@ -29,19 +27,9 @@ pub(super) fn draw(
     if width(&snapshot.source) <= room {
         pen.text(x + 2, area.y, &snapshot.source, Role::Text);
     } else {
-        let short: String = snapshot
-            .source
-            .chars()
-            .take(usize::from(room.saturating_sub(1)))
-            .collect();
-        let mut pen = Pen::new(
-            buf,
-            theme,
-            Rect {
-                width: right.saturating_sub(1),
-                ..area
-            },
-        );
+        let short: String =
+            snapshot.source.chars().take(usize::from(room.saturating_sub(1))).collect();
+        let mut pen = Pen::new(buf, theme, Rect { width: right.saturating_sub(1), ..area });
         pen.text(x + 2, area.y, &format!("{short}…"), Role::Text);
     }
 }

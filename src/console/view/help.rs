@@ -42,12 +42,7 @@ pub fn last_scroll(model: &Model) -> u16 {
 }
 
 pub(super) fn draw(model: &Model, scroll: u16, theme: &Theme, area: Rect, buf: &mut Buffer) {
-    let frame = Rect::new(
-        area.x,
-        area.y + 1,
-        area.width,
-        area.height.saturating_sub(2),
-    );
+    let frame = Rect::new(area.x, area.y + 1, area.width, area.height.saturating_sub(2));
     let mut pen = Pen::new(buf, theme, frame);
     pen.clear(frame);
     let title = " help · up and down scroll, any other key leaves ";

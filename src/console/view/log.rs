@@ -18,13 +18,7 @@ pub(super) fn draw(
 ) {
     let shown = |event: &&Event| model.log_detail || event.kind.severity() > Severity::Detail;
     let mut pen = Pen::new(buf, theme, area);
-    let mut events = snapshot
-        .events
-        .iter()
-        .rev()
-        .filter(shown)
-        .skip(model.log_back)
-        .peekable();
+    let mut events = snapshot.events.iter().rev().filter(shown).skip(model.log_back).peekable();
     if events.peek().is_none() {
         pen.text(area.x + 1, area.y, "nothing has happened yet", Role::Muted);
         return;
@@ -50,12 +44,7 @@ fn draw_line(pen: &mut Pen<'_>, event: &Event, line: &str, first: bool, x: u16, 
         Severity::Fault => ("✗", Role::Fault, Role::Fault),
     };
     if first {
-        pen.text(
-            x + 1,
-            y,
-            &words::clock(event.time_us as f64 / 1e6),
-            Role::Muted,
-        );
+        pen.text(x + 1, y, &words::clock(event.time_us as f64 / 1e6), Role::Muted);
         pen.text(x + 9, y, mark, role);
     }
     pen.text(x + 11, y, line, text_role);

@@ -66,10 +66,7 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
 fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     let map = &snapshot.map;
     if layers.trajectory {
-        canvas.polyline(
-            map.path.iter().map(|point| point.pose.position),
-            Role::Trajectory,
-        );
+        canvas.polyline(map.path.iter().map(|point| point.pose.position), Role::Trajectory);
     }
     if layers.plan
         && let Some(plan) = &map.plan
@@ -115,12 +112,7 @@ fn draw_line(canvas: &mut Canvas, line: &PlanLine, rejected: bool) {
 fn draw_cuts(canvas: &mut Canvas, part: &Part) {
     for (piece, cut) in part.ring.pieces.iter().zip(&part.cut) {
         if *cut {
-            canvas.line(
-                piece.from(),
-                piece.to(),
-                Role::Cut,
-                Pattern::Dash { on: 2, of: 4 },
-            );
+            canvas.line(piece.from(), piece.to(), Role::Cut, Pattern::Dash { on: 2, of: 4 });
         }
     }
 }
@@ -131,11 +123,7 @@ fn draw_robot(canvas: &mut Canvas, snapshot: &Snapshot) {
     };
     let chassis = &snapshot.settings.chassis;
     let (center, radius) = (robot.pose.position, chassis.radius);
-    let role = if current {
-        Role::Robot
-    } else {
-        Role::RobotStale
-    };
+    let role = if current { Role::Robot } else { Role::RobotStale };
     canvas.clear_disc(center, radius);
     canvas.circle(center, radius, role, Pattern::Solid);
     let nose = center + robot.pose.direction() * radius;
@@ -169,18 +157,13 @@ fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
     let view = canvas.view();
     let cell = view.scale * 2.0;
     let most = f64::from(area.width) * cell / 4.0;
-    let lengths = [
-        50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01,
-    ];
+    let lengths = [50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
     let Some(length) = lengths.into_iter().find(|length| *length <= most) else {
         return;
     };
     let cells = (length / cell).round().max(1.0) as u16;
-    let text = if length < 1.0 {
-        format!("{:.0} cm", length * 100.0)
-    } else {
-        format!("{length:.0} m")
-    };
+    let text =
+        if length < 1.0 { format!("{:.0} cm", length * 100.0) } else { format!("{length:.0} m") };
     let mut pen = Pen::new(buf, theme, area);
     let row = area.bottom().saturating_sub(1);
     let bar: String = "╺".to_owned() + &"━".repeat(usize::from(cells)) + "╸ ";
@@ -202,16 +185,7 @@ pub fn draw_title(
         Camera::Follow { .. } => " · following",
         Camera::Free { .. } => " · free view",
     };
-    let title = format!(
-        " map · {:.1} × {:.1} m{how} ",
-        view.x_range(),
-        view.y_range()
-    );
+    let title = format!(" map · {:.1} × {:.1} m{how} ", view.x_range(), view.y_range());
     let mut pen = Pen::new(buf, theme, regions.top_rule);
-    pen.text(
-        regions.top_rule.x + 2,
-        regions.top_rule.y,
-        &title,
-        Role::Title,
-    );
+    pen.text(regions.top_rule.x + 2, regions.top_rule.y, &title, Role::Title);
 }

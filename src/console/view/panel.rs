@@ -57,38 +57,23 @@ fn robot_rows(snapshot: &Snapshot) -> Vec<Row> {
     let pose = |robot: &RobotView| {
         let pose = robot.pose;
         let degrees = pose.heading.to_degrees();
-        format!(
-            "{:.3} {:.3}  {degrees:.0}°",
-            pose.position.x, pose.position.y
-        )
+        format!("{:.3} {:.3}  {degrees:.0}°", pose.position.x, pose.position.y)
     };
     match &snapshot.robot {
         Known::Unknown => vec![("pose", "not heard yet".to_owned(), Role::Unknown)],
-        Known::Stale { value, age } => vec![
-            ("pose", pose(value), Role::Stale),
-            ("", format!("{age:.1} s old"), Role::Warning),
-        ],
+        Known::Stale { value, age } => {
+            vec![("pose", pose(value), Role::Stale), ("", format!("{age:.1} s old"), Role::Warning)]
+        }
         Known::Known(robot) => {
             let closed = switches::closed(&snapshot.settings.chassis, robot);
-            let role = if robot.switches.is_empty() {
-                Role::Muted
-            } else {
-                Role::Active
-            };
-            let bumper = if robot.bumper {
-                ("pressed", Role::Active)
-            } else {
-                ("free", Role::Muted)
-            };
+            let role = if robot.switches.is_empty() { Role::Muted } else { Role::Active };
+            let bumper =
+                if robot.bumper { ("pressed", Role::Active) } else { ("free", Role::Muted) };
             vec![
                 ("pose", pose(robot), Role::Value),
                 ("± 1 sd", words::small(robot.position_sd), Role::Text),
                 ("switch", closed, role),
-                (
-                    "bumper",
-                    format!("{}, {} so far", bumper.0, snapshot.bumps),
-                    bumper.1,
-                ),
+                ("bumper", format!("{}, {} so far", bumper.0, snapshot.bumps), bumper.1),
             ]
         }
     }
@@ -96,11 +81,7 @@ fn robot_rows(snapshot: &Snapshot) -> Vec<Row> {
 
 fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
     let map = &snapshot.map;
-    let mut rows: Vec<Row> = vec![(
-        "contact",
-        format!("{} kept", map.contacts.len()),
-        Role::Text,
-    )];
+    let mut rows: Vec<Row> = vec![("contact", format!("{} kept", map.contacts.len()), Role::Text)];
     if let Some(off) = map.misclosure {
         let size = crate::geometry::angle::hypot(off.dx, off.dy);
         let ratio = if off.ratio() > 99_999.0 {
@@ -108,22 +89,14 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         } else {
             format!("1:{:.0}", off.ratio())
         };
-        let text = format!(
-            "{} {:.2}° {ratio}",
-            words::small(size),
-            off.heading.to_degrees()
-        );
+        let text = format!("{} {:.2}° {ratio}", words::small(size), off.heading.to_degrees());
         rows.push(("misclos", text, Role::Value));
     }
     if let Some(shape) = &map.shape {
         let vertices = words::count(shape.vertices.len(), "vertex", "vertices");
         rows.push(("shape", format!("{}, {vertices}", shape.class), Role::Value));
         let parts = words::count(shape.parts.len(), "part", "parts");
-        rows.push((
-            "",
-            format!("{parts}, {:.1} m²", shape.outline.area()),
-            Role::Text,
-        ));
+        rows.push(("", format!("{parts}, {:.1} m²", shape.outline.area()), Role::Text));
     }
     if let Some(plan) = &map.plan {
         let name = match plan.figures.strategy {
@@ -131,40 +104,20 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
             Strategy::Lean => "lean",
             Strategy::Lanes => "lanes",
         };
-        let done = plan
-            .lines
-            .iter()
-            .filter(|line| line.status == LineStatus::Driven)
-            .count();
+        let done = plan.lines.iter().filter(|line| line.status == LineStatus::Driven).count();
         let lines = words::count(plan.figures.lines, "line", "lines");
-        rows.push((
-            "plan",
-            format!("{name}: {lines}, {:.0} m", plan.figures.length),
-            Role::Value,
-        ));
-        rows.push((
-            "",
-            format!("{done} driven, α {:.2} m", plan.alpha),
-            Role::Text,
-        ));
+        rows.push(("plan", format!("{name}: {lines}, {:.0} m", plan.figures.length), Role::Value));
+        rows.push(("", format!("{done} driven, α {:.2} m", plan.alpha), Role::Text));
         let hidden = words::small(plan.figures.hidden_disc);
         rows.push(("promise", format!("hidden disc {hidden}"), Role::Value));
     }
     if let Some(disc) = map.hidden_disc {
-        rows.push((
-            "as drvn",
-            format!("hidden disc {}", words::small(disc)),
-            Role::Value,
-        ));
+        rows.push(("as drvn", format!("hidden disc {}", words::small(disc)), Role::Value));
     }
     let open = map.objects.iter().filter(|object| !object.closed).count();
     if !map.objects.is_empty() {
         let objects = words::count(map.objects.len(), "object", "objects");
-        let note = if open > 0 {
-            format!(", {open} open")
-        } else {
-            String::new()
-        };
+        let note = if open > 0 { format!(", {open} open") } else { String::new() };
         rows.push(("objects", format!("{objects}{note}"), Role::Value));
     }
     rows

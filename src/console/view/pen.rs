@@ -43,12 +43,8 @@ impl<'a> Pen<'a> {
 
     /// Writes several pieces one after the other; ends with `…` when they do not fit.
     pub(super) fn pieces(&mut self, x: u16, y: u16, pieces: &[Piece]) -> u16 {
-        let end = pieces
-            .iter()
-            .fold(x, |x, (role, text)| self.text(x, y, text, *role));
-        let wanted = pieces
-            .iter()
-            .fold(x, |x, (_, text)| x.saturating_add(width(text)));
+        let end = pieces.iter().fold(x, |x, (role, text)| self.text(x, y, text, *role));
+        let wanted = pieces.iter().fold(x, |x, (_, text)| x.saturating_add(width(text)));
         if wanted > self.area.right() && !self.area.is_empty() {
             self.text(self.area.right() - 1, y, "…", Role::Muted);
         }

@@ -32,44 +32,23 @@ fn draw_phase(pen: &mut Pen<'_>, snapshot: &Snapshot, phase: Phase, cell: Rect) 
     };
     let x = pen.text(cell.x + 1, cell.y, mark, role);
     let name = phase.to_string();
-    let x = pen.text(
-        x + 1,
-        cell.y,
-        &name,
-        if progress.done { Role::Text } else { role },
-    );
+    let x = pen.text(x + 1, cell.y, &name, if progress.done { Role::Text } else { role });
     if cell.height > 1 {
         let right = cell.right() - 2;
         pen.text_right(right, cell.y, &cost(progress), Role::Muted);
-        draw_bar(
-            pen,
-            cell.x + 1,
-            cell.y + 1,
-            cell.width - 3,
-            progress,
-            current,
-        );
+        draw_bar(pen, cell.x + 1, cell.y + 1, cell.width - 3, progress, current);
     } else if current {
         let room = cell.right().saturating_sub(x + 2);
         draw_bar(pen, x + 1, cell.y, room, progress, current);
     } else if progress.done {
-        pen.text_right(
-            cell.right() - 1,
-            cell.y,
-            &words::clock(progress.seconds),
-            Role::Muted,
-        );
+        pen.text_right(cell.right() - 1, cell.y, &words::clock(progress.seconds), Role::Muted);
     }
 }
 
 /// What a phase has cost so far; nothing for one that has not begun.
 fn cost(progress: &PhaseProgress) -> String {
     if progress.travel > 0.0 {
-        format!(
-            "{}  {:.1} m",
-            words::clock(progress.seconds),
-            progress.travel
-        )
+        format!("{}  {:.1} m", words::clock(progress.seconds), progress.travel)
     } else if progress.done || progress.seconds > 0.0 {
         words::clock(progress.seconds)
     } else {
@@ -79,11 +58,8 @@ fn cost(progress: &PhaseProgress) -> String {
 
 /// A bar with the share in figures; without a share, a bar that claims nothing.
 fn draw_bar(pen: &mut Pen<'_>, x: u16, y: u16, room: u16, progress: &PhaseProgress, current: bool) {
-    let share = if progress.done {
-        Some(1.0)
-    } else {
-        progress.share.filter(|share| share.is_finite())
-    };
+    let share =
+        if progress.done { Some(1.0) } else { progress.share.filter(|share| share.is_finite()) };
     let figure = match share {
         Some(share) if current => format!("{:3.0} %", (share * 100.0).clamp(0.0, 100.0).floor()),
         _ if current => "  … ".to_owned(),

@@ -10,16 +10,8 @@ use crate::session::snapshot::RobotView;
 /// is closed when any of them is.
 pub(super) fn rose(chassis: &Chassis, robot: Option<&RobotView>) -> [Vec<Piece>; 3] {
     // Places counter-clockwise from the front.
-    const PLACES: [(usize, usize); 8] = [
-        (0, 1),
-        (0, 0),
-        (1, 0),
-        (2, 0),
-        (2, 1),
-        (2, 2),
-        (1, 2),
-        (0, 2),
-    ];
+    const PLACES: [(usize, usize); 8] =
+        [(0, 1), (0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2)];
     let mut grid = [[(Role::Muted, " "); 3]; 3];
     grid[1][1] = (Role::Value, "▲");
     for (index, mount) in chassis.sensors.iter().enumerate() {
@@ -33,11 +25,7 @@ pub(super) fn rose(chassis: &Chassis, robot: Option<&RobotView>) -> [Vec<Piece>;
             Some(_) => *place = (Role::Muted, "○"),
         }
     }
-    grid.map(|row| {
-        row.iter()
-            .map(|&(role, symbol)| (role, format!("{symbol} ")))
-            .collect()
-    })
+    grid.map(|row| row.iter().map(|&(role, symbol)| (role, format!("{symbol} "))).collect())
 }
 
 /// The names of the closed switches, or that none is.
@@ -48,9 +36,5 @@ pub(super) fn closed(chassis: &Chassis, robot: &RobotView) -> String {
         .filter_map(|index| chassis.sensors.get(index))
         .map(|mount| mount.name.as_str())
         .collect();
-    if names.is_empty() {
-        "all open".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "all open".to_owned() } else { names.join(", ") }
 }

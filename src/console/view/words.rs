@@ -12,11 +12,7 @@ pub(super) fn clock(seconds: f64) -> String {
 
 /// A small length: millimetres below 10 m, metres from there.
 pub(super) fn small(metres: f64) -> String {
-    if metres.abs() < 10.0 {
-        format!("{:.0} mm", metres * 1e3)
-    } else {
-        format!("{metres:.1} m")
-    }
+    if metres.abs() < 10.0 { format!("{:.0} mm", metres * 1e3) } else { format!("{metres:.1} m") }
 }
 
 /// A count with its noun.

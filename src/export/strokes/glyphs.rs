@@ -13,11 +13,7 @@ pub(super) struct Glyph {
 }
 
 const fn g(letter: char, width: f64, strokes: &'static str) -> Glyph {
-    Glyph {
-        letter,
-        width,
-        strokes,
-    }
+    Glyph { letter, width, strokes }
 }
 
 /// Drawn for every letter that has no glyph.

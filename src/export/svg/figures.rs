@@ -5,10 +5,7 @@ use crate::mapping::map::{Part, PartClass, Shape};
 
 /// One line each for the place, the plan and the run.
 pub(super) fn lines(record: &RunRecord<'_>) -> Vec<String> {
-    [place(record), plan(record), Some(run(record))]
-        .into_iter()
-        .flatten()
-        .collect()
+    [place(record), plan(record), Some(run(record))].into_iter().flatten().collect()
 }
 
 fn place(record: &RunRecord<'_>) -> Option<String> {
@@ -20,20 +17,14 @@ fn place(record: &RunRecord<'_>) -> Option<String> {
     )];
     words.extend(record.map.shape.as_ref().map(shape));
     let count = record.map.objects.len();
-    words.push(format!(
-        "{count} object{}",
-        if count == 1 { "" } else { "s" }
-    ));
+    words.push(format!("{count} object{}", if count == 1 { "" } else { "s" }));
     Some(words.join(" · "))
 }
 
 fn shape(shape: &Shape) -> String {
     let count = shape.vertices.len();
-    let mut words = format!(
-        "{}, {count} {}",
-        shape.class,
-        if count == 1 { "vertex" } else { "vertices" }
-    );
+    let mut words =
+        format!("{}, {count} {}", shape.class, if count == 1 { "vertex" } else { "vertices" });
     if shape.parts.len() > 1 {
         let parts: Vec<String> = shape.parts.iter().map(part).collect();
         words = format!("{words} ({})", parts.join(" + "));
@@ -93,10 +84,7 @@ fn run(record: &RunRecord<'_>) -> String {
         words.push(format!("misclosure {miss:.0} mm"));
     }
     if !record.noise.is_empty() {
-        words.push(format!(
-            "noise {}, seed {}",
-            record.noise, record.settings.seed
-        ));
+        words.push(format!("noise {}, seed {}", record.noise, record.settings.seed));
     }
     words.join(" · ")
 }

@@ -8,11 +8,7 @@ use crate::geometry::{Point, Pose};
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, PlanLine};
 use std::fmt::Write;
 
-const LABEL: Style = Style {
-    height: 9.0,
-    weight: 0.14,
-    color: color::OBJECT_EDGE,
-};
+const LABEL: Style = Style { height: 9.0, weight: 0.14, color: color::OBJECT_EDGE };
 
 /// How a line of the plan is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,36 +23,11 @@ pub(super) struct Pen {
     pub(super) dashes: &'static str,
 }
 
-const PLANNED: Pen = Pen {
-    name: "planned",
-    color: color::PLANNED,
-    width: 1.0,
-    dashes: "",
-};
-const DRIVEN: Pen = Pen {
-    name: "driven",
-    color: color::DRIVEN,
-    width: 1.2,
-    dashes: "",
-};
-const BLOCKED: Pen = Pen {
-    name: "blocked",
-    color: color::BLOCKED,
-    width: 1.4,
-    dashes: "",
-};
-const SKIPPED: Pen = Pen {
-    name: "skipped",
-    color: color::SKIPPED,
-    width: 1.0,
-    dashes: "5 4",
-};
-const REJECTED: Pen = Pen {
-    name: "rejected",
-    color: color::REJECTED,
-    width: 0.8,
-    dashes: "3 4",
-};
+const PLANNED: Pen = Pen { name: "planned", color: color::PLANNED, width: 1.0, dashes: "" };
+const DRIVEN: Pen = Pen { name: "driven", color: color::DRIVEN, width: 1.2, dashes: "" };
+const BLOCKED: Pen = Pen { name: "blocked", color: color::BLOCKED, width: 1.4, dashes: "" };
+const SKIPPED: Pen = Pen { name: "skipped", color: color::SKIPPED, width: 1.0, dashes: "5 4" };
+const REJECTED: Pen = Pen { name: "rejected", color: color::REJECTED, width: 0.8, dashes: "3 4" };
 
 /// The pen for a line, or none when the picture leaves it out.
 pub(super) fn pen(line: &PlanLine, options: &Options) -> Option<Pen> {
@@ -116,10 +87,8 @@ fn walls(record: &RunRecord<'_>, frame: &Frame) -> String {
 fn cuts(record: &RunRecord<'_>, frame: &Frame) -> String {
     let parts = record.map.shape.iter().flat_map(|shape| &shape.parts);
     let pieces = parts.flat_map(|part| part.ring.pieces.iter().zip(&part.cut));
-    let data: String = pieces
-        .filter(|&(_, &cut)| cut)
-        .map(|(piece, _)| frame.single(piece))
-        .collect();
+    let data: String =
+        pieces.filter(|&(_, &cut)| cut).map(|(piece, _)| frame.single(piece)).collect();
     stroke("cuts", &data, color::FAINT, 1.0, "7 5")
 }
 
@@ -159,13 +128,7 @@ fn trajectory(record: &RunRecord<'_>, frame: &Frame) -> String {
 fn solid(object: &MappedObject, frame: &Frame, letters: &mut Lettering) -> String {
     if !object.closed {
         let points = object.outline.to_points(0.001);
-        return stroke(
-            "object-open",
-            &frame.line(points),
-            color::OBJECT_EDGE,
-            1.8,
-            "4 3",
-        );
+        return stroke("object-open", &frame.line(points), color::OBJECT_EDGE, 1.8, "4 3");
     }
     let data = frame.ring(&object.outline);
     let mut out = format!(

@@ -8,11 +8,7 @@ use super::layers::{Pen, pen};
 use super::{FIGURES, MARGIN, Options, color};
 use std::fmt::Write;
 
-const TEXT: Style = Style {
-    height: 8.5,
-    weight: 0.11,
-    color: color::INK,
-};
+const TEXT: Style = Style { height: 8.5, weight: 0.11, color: color::INK };
 /// Length of a sample line, pixels.
 const SAMPLE: f64 = 24.0;
 
@@ -33,10 +29,7 @@ pub(super) fn draw(
             (x, y) = (left, y + 22.0);
         }
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "<g transform=\"translate({x:.1} {y:.1})\">{symbol}</g>"
-        );
+        let _ = writeln!(out, "<g transform=\"translate({x:.1} {y:.1})\">{symbol}</g>");
         let text = letters.text(name, x + SAMPLE + 8.0, y + 4.0, Anchor::Start, TEXT);
         out.push_str(&text);
         x += needed + 24.0;
@@ -48,10 +41,7 @@ pub(super) fn draw(
 fn scale_bar(frame: &Frame, y: f64, letters: &mut Lettering) -> (String, f64) {
     let lengths = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
     let wanted = 130.0 / frame.scale;
-    let length = lengths
-        .into_iter()
-        .rfind(|&length| length <= wanted)
-        .unwrap_or(lengths[0]);
+    let length = lengths.into_iter().rfind(|&length| length <= wanted).unwrap_or(lengths[0]);
     let pixels = length * frame.scale;
     let mut out = format!(
         "<path id=\"scale\" d=\"M{MARGIN:.1} {0:.1}v7h{pixels:.1}v-7\" fill=\"none\" stroke=\"{1}\" \
@@ -75,10 +65,7 @@ fn items(record: &RunRecord<'_>, options: &Options) -> Vec<(&'static str, String
         )
     };
     let map = record.map;
-    let mut all = vec![(
-        "wall",
-        line(color::WALL, 2.2, if map.closed { "" } else { "1 4" }),
-    )];
+    let mut all = vec![("wall", line(color::WALL, 2.2, if map.closed { "" } else { "1 4" }))];
     if map.objects.iter().any(|object| object.closed) {
         let sample = format!(
             "<rect y=\"-6\" width=\"{SAMPLE}\" height=\"12\" rx=\"2\" fill=\"{}\" stroke=\"{}\" \
@@ -92,26 +79,13 @@ fn items(record: &RunRecord<'_>, options: &Options) -> Vec<(&'static str, String
         all.push(("object, half seen", line(color::OBJECT_EDGE, 1.8, "4 3")));
     }
     let mut pens: Vec<Pen> = Vec::new();
-    for pen in map
-        .plan
-        .iter()
-        .flat_map(|plan| &plan.lines)
-        .filter_map(|line| pen(line, options))
-    {
+    for pen in map.plan.iter().flat_map(|plan| &plan.lines).filter_map(|line| pen(line, options)) {
         if !pens.contains(&pen) {
             pens.push(pen);
         }
     }
-    all.extend(
-        pens.iter()
-            .map(|pen| (pen.name, line(pen.color, pen.width + 0.4, pen.dashes))),
-    );
-    if map
-        .shape
-        .iter()
-        .flat_map(|shape| &shape.parts)
-        .any(|part| part.cut.contains(&true))
-    {
+    all.extend(pens.iter().map(|pen| (pen.name, line(pen.color, pen.width + 0.4, pen.dashes))));
+    if map.shape.iter().flat_map(|shape| &shape.parts).any(|part| part.cut.contains(&true)) {
         all.push(("cut between parts", line(color::FAINT, 1.0, "7 5")));
     }
     if options.trajectory && map.path.len() > 1 {

@@ -26,11 +26,8 @@ fn the_transform_agrees_with_measuring_every_segment_from_every_cell() {
     let field = Nearest::new(&grid, &segments);
     for cell in 0..grid.len() {
         let at = grid.point(cell);
-        let want = segments
-            .iter()
-            .map(|s| s.distance_squared(at))
-            .fold(f64::INFINITY, f64::min)
-            .sqrt();
+        let want =
+            segments.iter().map(|s| s.distance_squared(at)).fold(f64::INFINITY, f64::min).sqrt();
         let got = f64::from(field.squared[cell]).sqrt();
         assert!((got - want).abs() < 1e-4, "{got} instead of {want} at {at}");
     }

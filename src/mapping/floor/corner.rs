@@ -89,9 +89,7 @@ impl Corner {
 
     fn fits(&self, q: Point) -> bool {
         let room = self.radius - ROUNDING;
-        self.walls
-            .iter()
-            .all(|wall| wall.distance_squared(q) >= room * room)
+        self.walls.iter().all(|wall| wall.distance_squared(q) >= room * room)
     }
 
     fn find_tips(&mut self, floor: &Floor) {
@@ -122,10 +120,7 @@ fn curves(walls: &[Segment], radius: f64) -> Vec<Curve> {
     let mut curves = Vec::with_capacity(2 * walls.len());
     for wall in walls {
         let inwards = crate::geometry::perp(wall.along / wall.length()) * radius;
-        curves.push(Curve::Line(Segment::new(
-            wall.from + inwards,
-            wall.to() + inwards,
-        )));
+        curves.push(Curve::Line(Segment::new(wall.from + inwards, wall.to() + inwards)));
         curves.push(Curve::Circle(wall.from, radius));
     }
     curves

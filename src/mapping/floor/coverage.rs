@@ -55,11 +55,7 @@ impl Coverage {
     /// Adds the way from the last place to `p`.
     pub fn push(&mut self, p: Point) {
         let Some(run) = self.run else {
-            self.run = Some(Run {
-                from: p,
-                to: p,
-                right: None,
-            });
+            self.run = Some(Run { from: p, to: p, right: None });
             return;
         };
         if let Some(longer) = run.extended(p) {
@@ -67,11 +63,7 @@ impl Coverage {
             return;
         }
         self.segments.push(Segment::new(run.from, run.to));
-        let fresh = Run {
-            from: run.to,
-            to: run.to,
-            right: None,
-        };
+        let fresh = Run { from: run.to, to: run.to, right: None };
         self.run = Some(fresh.extended(p).unwrap_or(fresh));
     }
 
@@ -128,11 +120,7 @@ impl Run {
                 left = l;
             }
         }
-        Some(Self {
-            to: p,
-            right: Some((right, left)),
-            ..*self
-        })
+        Some(Self { to: p, right: Some((right, left)), ..*self })
     }
 }
 
@@ -152,11 +140,7 @@ mod tests {
         let kept = Coverage::of(&path).segments();
         assert!(kept.len() < 40, "{} segments", kept.len());
         for p in path {
-            let off = kept
-                .iter()
-                .map(|s| s.distance_squared(p))
-                .fold(1.0, f64::min)
-                .sqrt();
+            let off = kept.iter().map(|s| s.distance_squared(p)).fold(1.0, f64::min).sqrt();
             assert!(off <= 1.5 * STRAIGHT, "{off} m off the path");
         }
     }

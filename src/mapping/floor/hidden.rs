@@ -73,12 +73,7 @@ impl<'a> Unswept<'a> {
             .zip(&floor.free)
             .map(|(square, &free)| free.min(square.sqrt() - reach))
             .collect();
-        Self {
-            floor,
-            path: SegmentIndex::new(path, 0.25),
-            field,
-            corner: RefCell::new(None),
-        }
+        Self { floor, path: SegmentIndex::new(path, 0.25), field, corner: RefCell::new(None) }
     }
 
     /// The same with more driven: only where that comes nearer is anything worked out anew.
@@ -89,12 +84,7 @@ impl<'a> Unswept<'a> {
             lower(&floor.grid, segment, floor.reach, &mut field);
         }
         let path = self.path.segments().iter().chain(more).copied().collect();
-        Self {
-            floor,
-            path: SegmentIndex::new(path, 0.25),
-            field,
-            corner: RefCell::new(None),
-        }
+        Self { floor, path: SegmentIndex::new(path, 0.25), field, corner: RefCell::new(None) }
     }
 
     /// Depth of the corner at `p`; a climb asks again and again in one place.
@@ -145,11 +135,7 @@ impl<'a> Unswept<'a> {
                 break;
             }
             let needed = found.last().map_or(least, |d| d.diameter / 2.0);
-            let needed = if found.len() < most {
-                diameter / 2.0
-            } else {
-                needed
-            };
+            let needed = if found.len() < most { diameter / 2.0 } else { needed };
             let disc = self.climb(self.floor.grid.point(cell), needed);
             let known = |other: &HiddenDisc| (other.at - disc.at).norm() < self.floor.grid.cell;
             if disc.diameter >= diameter.max(2.0 * FINE) && !found.iter().any(known) {
@@ -165,13 +151,10 @@ impl<'a> Unswept<'a> {
     /// so that a long corridor does not count as a thousand maxima.
     fn is_top(&self, cell: usize) -> bool {
         let value = self.field[cell];
-        reach::neighbours(&self.floor.grid, cell)
-            .into_iter()
-            .flatten()
-            .all(|near| {
-                let other = self.field[near];
-                other <= value + LEVEL && (near > cell || other < value - LEVEL)
-            })
+        reach::neighbours(&self.floor.grid, cell).into_iter().flatten().all(|near| {
+            let other = self.field[near];
+            other <= value + LEVEL && (near > cell || other < value - LEVEL)
+        })
     }
 
     /// Whether the body can touch something there: it fits, or it fits within its own radius.
@@ -209,10 +192,7 @@ impl<'a> Unswept<'a> {
                 }
             }
         }
-        HiddenDisc {
-            diameter: 2.0 * here,
-            at,
-        }
+        HiddenDisc { diameter: 2.0 * here, at }
     }
 }
 
@@ -282,10 +262,7 @@ mod tests {
                 y += spacing;
             }
             let got = largest(&floor, &coverage);
-            assert!(
-                (got - (spacing - 0.32)).abs() < 0.003,
-                "{got} at spacing {spacing}"
-            );
+            assert!((got - (spacing - 0.32)).abs() < 0.003, "{got} at spacing {spacing}");
         }
     }
 
@@ -308,10 +285,7 @@ mod tests {
                 .into_iter()
                 .find(|disc| disc.at.coords.norm() < gap / sine);
             let got = near.map_or(0.0, |disc| disc.diameter);
-            assert!(
-                (got - sliver.max(0.0)).abs() < 0.004,
-                "{got} not {sliver} at {degrees}°"
-            );
+            assert!((got - sliver.max(0.0)).abs() < 0.004, "{got} not {sliver} at {degrees}°");
         }
     }
 
@@ -337,12 +311,8 @@ mod tests {
     #[test]
     fn adding_lines_to_what_is_known_is_the_same_as_beginning_anew() {
         let (floor, coverage) = after_lap(&rooms::flat(), 0.145);
-        let more = [
-            ((0.5, 0.5), (3.5, 2.0)),
-            ((6.0, 1.0), (9.5, 1.2)),
-            ((1.0, 5.0), (1.0, 6.0)),
-        ]
-        .map(|(a, b)| Segment::new(Point::new(a.0, a.1), Point::new(b.0, b.1)));
+        let more = [((0.5, 0.5), (3.5, 2.0)), ((6.0, 1.0), (9.5, 1.2)), ((1.0, 5.0), (1.0, 6.0))]
+            .map(|(a, b)| Segment::new(Point::new(a.0, a.1), Point::new(b.0, b.1)));
         let added = Unswept::new(&floor, coverage.segments()).and(&more);
         let mut all = coverage.segments();
         all.extend(more);

@@ -163,11 +163,7 @@ mod tests {
             let room = rooms::two_rooms(gap);
             let floor = rooms::floor(&room, &[]);
             assert!(floor.is_drivable(Point::new(0.5, 1.0)));
-            assert_eq!(
-                floor.is_drivable(Point::new(3.5, 1.0)),
-                open,
-                "behind a gap of {gap} m"
-            );
+            assert_eq!(floor.is_drivable(Point::new(3.5, 1.0)), open, "behind a gap of {gap} m");
         }
     }
 

@@ -19,14 +19,7 @@ pub(crate) fn rectangle(width: f64, height: f64) -> Ring {
 }
 
 pub(crate) fn ell() -> Ring {
-    polygon(&[
-        (0.0, 0.0),
-        (4.0, 0.0),
-        (4.0, 1.5),
-        (2.0, 1.5),
-        (2.0, 3.0),
-        (0.0, 3.0),
-    ])
+    polygon(&[(0.0, 0.0), (4.0, 0.0), (4.0, 1.5), (2.0, 1.5), (2.0, 3.0), (0.0, 3.0)])
 }
 
 /// Two rooms of 1.9 x 2 m joined by a gap in a wall 0.2 m thick.
@@ -91,11 +84,7 @@ pub(crate) fn lap(boundary: &Ring, gap: f64) -> Vec<Point> {
     let count = corners.len();
     let mut path = Vec::new();
     for k in 0..count {
-        let (a, b, c) = (
-            corners[(k + count - 1) % count],
-            corners[k],
-            corners[(k + 1) % count],
-        );
+        let (a, b, c) = (corners[(k + count - 1) % count], corners[k], corners[(k + 1) % count]);
         let (u, v) = ((b - a).normalize(), (c - b).normalize());
         let (m, n) = (crate::geometry::perp(u), crate::geometry::perp(v));
         let turn = crate::geometry::cross(u, v);

@@ -19,9 +19,7 @@ impl Floor {
     pub fn route(&self, from: Point, to: Point, clearance: f64) -> Option<Vec<Point>> {
         let wide = self.half_gap.max(clearance);
         let between = f64::midpoint(wide, clearance);
-        [wide, between, clearance]
-            .into_iter()
-            .find_map(|keep| self.way(from, to, keep, clearance))
+        [wide, between, clearance].into_iter().find_map(|keep| self.way(from, to, keep, clearance))
     }
 
     /// Length of [`Floor::route`], metres.
@@ -261,11 +259,7 @@ mod tests {
         let way = floor.route(a, b, 0.16).unwrap();
         let corner = Point::new(2.0, 1.5);
         let least = (corner - a).norm() + (b - corner).norm();
-        assert!(
-            length(&way) < least + 0.15,
-            "{} m, {least} at least",
-            length(&way)
-        );
+        assert!(length(&way) < least + 0.15, "{} m, {least} at least", length(&way));
         assert!(way.len() <= 5, "{way:?}");
         for leg in way.windows(2) {
             let clearance = floor.segment_clearance(leg[0], leg[1]);
@@ -277,9 +271,7 @@ mod tests {
     fn objects_are_gone_round() {
         let column = crate::geometry::Ring::circle(Point::new(2.5, 2.0), 0.4);
         let floor = rooms::floor(&rooms::rectangle(5.0, 4.0), &[&column]);
-        let way = floor
-            .route(Point::new(0.5, 2.0), Point::new(4.5, 2.0), 0.16)
-            .unwrap();
+        let way = floor.route(Point::new(0.5, 2.0), Point::new(4.5, 2.0), 0.16).unwrap();
         assert!(way.len() > 2 && length(&way) < 4.4, "{way:?}");
         for leg in way.windows(2) {
             assert!(floor.segment_clearance(leg[0], leg[1]) >= 0.165, "{leg:?}");
@@ -304,11 +296,7 @@ mod tests {
         {
             let floor = rooms::floor(&rooms::two_rooms(gap), &[]);
             let way = floor.route(a, b, clearance);
-            assert_eq!(
-                way.is_some(),
-                open,
-                "gap {gap}, clearance {clearance}: {way:?}"
-            );
+            assert_eq!(way.is_some(), open, "gap {gap}, clearance {clearance}: {way:?}");
         }
     }
 }

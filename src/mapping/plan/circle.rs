@@ -43,9 +43,7 @@ fn diameters(
         let away = angle::unit(first - turn) * radius;
         // The far end of an earlier diameter: the same line run the other way.
         let again = turn >= angle::PI - 1e-9
-            && turns
-                .iter()
-                .any(|other| (turn - angle::PI - other).abs() < 1e-9);
+            && turns.iter().any(|other| (turn - angle::PI - other).abs() < 1e-9);
         entries.enter(&Entry {
             part: index,
             vertex,
@@ -61,13 +59,7 @@ fn diameters(
 fn radii(entries: &mut Entries<'_>, index: usize, part: &Part, center: Point, alpha: f64) {
     let mut vertex = 0;
     for piece in &part.ring.pieces {
-        let Piece::Arc {
-            center: own,
-            radius,
-            start,
-            sweep,
-        } = *piece
-        else {
+        let Piece::Arc { center: own, radius, start, sweep } = *piece else {
             continue;
         };
         // Arcs of other circles bound the part, but its lines lead to its own centre.
@@ -106,9 +98,7 @@ fn reason(entries: &Entries<'_>, part: &Part, from: Point, center: Point) -> Opt
     // radius would leave the area.
     let inner = from + (center - from) * 0.02;
     let room = entries.floor.wall_clearance(center) > -ALONG;
-    let clear = entries
-        .floor
-        .is_clear(inner, from + (center - from) * 0.98, 1e-3);
+    let clear = entries.floor.is_clear(inner, from + (center - from) * 0.98, 1e-3);
     (!(room && clear)).then_some(LineReason::LeavesArea)
 }
 
@@ -145,16 +135,10 @@ mod tests {
         for line in &lines {
             assert!((nalgebra::center(&line.start, &line.end) - center).norm() < 1e-9);
             let (from, to) = line.drive.unwrap();
-            assert!(
-                ((to - from).norm() - (4.0 - 0.29)).abs() < 0.01,
-                "{from} to {to}"
-            );
+            assert!(((to - from).norm() - (4.0 - 0.29)).abs() < 0.01, "{from} to {to}");
         }
         let other = plan(&shape, 0.5, 2);
-        assert_ne!(
-            lines[0].start, other[0].start,
-            "the first point follows the seed"
-        );
+        assert_ne!(lines[0].start, other[0].start, "the first point follows the seed");
         assert_eq!(lines, plan(&shape, 0.5, 1), "the same seed, the same plan");
     }
 
@@ -164,10 +148,7 @@ mod tests {
         let shape = round(PartClass::Circle, &Ring::circle(center, 2.0), center, 2.0);
         let lines = plan(&shape, angle::TAU * 2.0 / 12.0, 1);
         let kept = lines.iter().filter(|line| line.reason.is_none()).count();
-        let again = lines
-            .iter()
-            .filter(|l| l.reason == Some(LineReason::Duplicate))
-            .count();
+        let again = lines.iter().filter(|l| l.reason == Some(LineReason::Duplicate)).count();
         assert_eq!((kept, again), (6, 6));
     }
 
@@ -176,26 +157,15 @@ mod tests {
         let center = Point::new(2.0, 0.0);
         let ring = Ring {
             pieces: vec![
-                Piece::Line {
-                    from: Point::new(0.0, 0.0),
-                    to: Point::new(4.0, 0.0),
-                },
-                Piece::Arc {
-                    center,
-                    radius: 2.0,
-                    start: 0.0,
-                    sweep: angle::PI,
-                },
+                Piece::Line { from: Point::new(0.0, 0.0), to: Point::new(4.0, 0.0) },
+                Piece::Arc { center, radius: 2.0, start: 0.0, sweep: angle::PI },
             ],
         };
         let mut shape = round(PartClass::Semicircle, &ring, center, 2.0);
         // π 2 / 0.5 = 12.6: 14 radii, the two along the diameter on the wall.
         let lines = plan(&shape, 0.5, 1);
         let along = |lines: &[PlanLine]| {
-            lines
-                .iter()
-                .filter(|l| l.reason == Some(LineReason::AlongBoundary))
-                .count()
+            lines.iter().filter(|l| l.reason == Some(LineReason::AlongBoundary)).count()
         };
         assert_eq!((lines.len(), along(&lines)), (14, 2));
         assert!(lines.iter().all(|line| line.end == center));

@@ -43,12 +43,7 @@ impl Need {
                 }
             }
         }
-        Self {
-            grid,
-            words,
-            bits,
-            radius: over + floor.reach,
-        }
+        Self { grid, words, bits, radius: over + floor.reach }
     }
 
     /// Whether nothing is needed any more.
@@ -129,9 +124,7 @@ impl Need {
         let along = piece.along / length;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         self.served(std::slice::from_ref(piece), |index| {
-            let at = (self.point(index) - piece.from)
-                .dot(&along)
-                .clamp(0.0, length);
+            let at = (self.point(index) - piece.from).dot(&along).clamp(0.0, length);
             (low, high) = (low.min(at), high.max(at));
         });
         (low <= high).then(|| (piece.from + along * low, piece.from + along * high))
@@ -140,16 +133,15 @@ impl Need {
     /// The words and masks of all places within the radius of the pieces.
     fn runs(&self, pieces: &[Segment], mut visit: impl FnMut(usize, u64)) {
         for piece in pieces {
-            self.grid
-                .stadium_runs(piece, self.radius, |row, first, last| {
-                    let base = row * self.words;
-                    for word in first / 64..=last / 64 {
-                        let from = if word == first / 64 { first % 64 } else { 0 };
-                        let to = if word == last / 64 { last % 64 } else { 63 };
-                        let mask = (u64::MAX << from) & (u64::MAX >> (63 - to));
-                        visit(base + word, mask);
-                    }
-                });
+            self.grid.stadium_runs(piece, self.radius, |row, first, last| {
+                let base = row * self.words;
+                for word in first / 64..=last / 64 {
+                    let from = if word == first / 64 { first % 64 } else { 0 };
+                    let to = if word == last / 64 { last % 64 } else { 63 };
+                    let mask = (u64::MAX << from) & (u64::MAX >> (63 - to));
+                    visit(base + word, mask);
+                }
+            });
         }
     }
 }

@@ -23,11 +23,7 @@ pub(super) fn piece(floor: &Floor, start: Point, end: Point) -> Option<(Point, P
     let head = floor.radius + HEAD;
     let back = |p: Point| {
         // The end on a cut has no wall ahead of it.
-        if floor.wall_clearance_near(p) > head {
-            0.0
-        } else {
-            head
-        }
+        if floor.wall_clearance_near(p) > head { 0.0 } else { head }
     };
     let (first, last) = (back(start), way.length - back(end));
     let side = floor.radius + SIDE;
@@ -91,11 +87,7 @@ impl Way {
     fn new(start: Point, end: Point) -> Option<Self> {
         let way = end - start;
         let length = way.norm();
-        (length > 1e-9).then(|| Self {
-            start,
-            along: way / length,
-            length,
-        })
+        (length > 1e-9).then(|| Self { start, along: way / length, length })
     }
 
     fn at(&self, t: f64) -> Point {
@@ -112,21 +104,14 @@ impl Way {
             if here >= 0.0 && open.is_none() {
                 open = Some(self.threshold(before, t, &room));
             } else if here < 0.0 && open.is_some() {
-                pieces.extend(
-                    open.take()
-                        .map(|from| (from, self.threshold(t, before, &room))),
-                );
+                pieces.extend(open.take().map(|from| (from, self.threshold(t, before, &room))));
             }
             before = t;
             t += here.abs().max(PROBE);
         }
         if let Some(from) = open {
             let ends = room(self.at(last)) >= 0.0;
-            let to = if ends {
-                last
-            } else {
-                self.threshold(last, before, &room)
-            };
+            let to = if ends { last } else { self.threshold(last, before, &room) };
             pieces.push((from, to));
         }
         pieces.retain(|&(from, to)| to > from);
@@ -157,10 +142,7 @@ mod tests {
     fn ends_stop_before_the_wall_ahead() {
         let floor = rooms::floor(&rooms::rectangle(5.0, 4.0), &[]);
         let (a, b) = piece(&floor, Point::new(2.0, 0.0), Point::new(2.0, 4.0)).unwrap();
-        assert!(
-            (a.y - 0.145).abs() < 1e-3 && (b.y - 3.855).abs() < 1e-3,
-            "{a} to {b}"
-        );
+        assert!((a.y - 0.145).abs() < 1e-3 && (b.y - 3.855).abs() < 1e-3, "{a} to {b}");
     }
 
     #[test]
@@ -180,9 +162,6 @@ mod tests {
     #[test]
     fn a_corridor_narrower_than_the_body_is_no_drive() {
         let floor = rooms::floor(&rooms::two_rooms(0.2), &[]);
-        assert_eq!(
-            piece(&floor, Point::new(1.9, 1.05), Point::new(2.1, 0.95)),
-            None
-        );
+        assert_eq!(piece(&floor, Point::new(1.9, 1.05), Point::new(2.1, 0.95)), None);
     }
 }

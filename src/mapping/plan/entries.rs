@@ -34,13 +34,7 @@ pub(super) struct Entry {
 
 impl<'a> Entries<'a> {
     pub(super) fn new(floor: &'a Floor) -> Self {
-        Self {
-            floor,
-            lines: Vec::new(),
-            along_cuts: Vec::new(),
-            leaving: 0,
-            duplicate: 0,
-        }
+        Self { floor, lines: Vec::new(), along_cuts: Vec::new(), leaving: 0, duplicate: 0 }
     }
 
     pub(super) fn into_lines(self) -> Vec<PlanLine> {

@@ -30,15 +30,10 @@ pub(super) fn plan(work: &Work<'_>, first: u32) -> (Order, f64, Vec<PlanLine>) {
 }
 
 fn longest_wall(work: &Work<'_>) -> Vector {
-    let lines = work
-        .shape
-        .outline
-        .pieces
-        .iter()
-        .filter_map(|piece| match *piece {
-            Piece::Line { from, to } => Some(to - from),
-            Piece::Arc { .. } => None,
-        });
+    let lines = work.shape.outline.pieces.iter().filter_map(|piece| match *piece {
+        Piece::Line { from, to } => Some(to - from),
+        Piece::Arc { .. } => None,
+    });
     lines
         .max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
         .and_then(|wall| wall.try_normalize(1e-9))
@@ -85,12 +80,8 @@ fn lanes(work: &Work<'_>, mut need: Need, along: Vector, first: u32) -> Vec<Plan
 pub(super) fn line(work: &Work<'_>, id: u32, from: Point, to: Point) -> PlanLine {
     let pieces = &work.shape.outline.pieces;
     let off = |k: &usize| (pieces[*k].from() - from).norm_squared();
-    let vertex = (0..pieces.len())
-        .min_by(|a, b| off(a).total_cmp(&off(b)))
-        .unwrap_or(0);
-    let boundary = pieces
-        .get(vertex)
-        .map_or(0.0, |piece| angle::of(piece.tangent(0.0)));
+    let vertex = (0..pieces.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+    let boundary = pieces.get(vertex).map_or(0.0, |piece| angle::of(piece.tangent(0.0)));
     PlanLine {
         id,
         part: 0,

@@ -68,11 +68,7 @@ pub(super) fn essential<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> Vec<&'a P
         .collect();
     for _ in 0..ROUNDS {
         let before = chosen.len();
-        for spot in work
-            .lap
-            .and(&pieces_of(&candidates, &chosen))
-            .spots(SLIVER, usize::MAX)
-        {
+        for spot in work.lap.and(&pieces_of(&candidates, &chosen)).spots(SLIVER, usize::MAX) {
             let near = nearest(&candidates, spot.at);
             if let Some((k, off)) = near
                 && off < work.floor.reach + 0.4 * spot.diameter
@@ -206,9 +202,7 @@ fn best_of(
     let able: Vec<usize> = (0..candidates.len()).filter(|&k| helps(k)).collect();
     let stride = able.len().div_ceil(SAMPLE).max(1);
     let worth = |k: usize| need.gain(&candidates[k].pieces) as f64 / candidates[k].cost;
-    able.into_iter()
-        .step_by(stride)
-        .max_by(|&a, &b| worth(a).total_cmp(&worth(b)).then(b.cmp(&a)))
+    able.into_iter().step_by(stride).max_by(|&a, &b| worth(a).total_cmp(&worth(b)).then(b.cmp(&a)))
 }
 
 /// The candidate that comes nearest to a place, and how near, metres.

@@ -29,10 +29,7 @@ pub(super) fn by_vertex(work: &Work<'_>, lines: &[PlanLine]) -> (Order, f64) {
     let (mut order, mut length, mut at) = (Vec::new(), 0.0, work.from);
     while !fans.is_empty() {
         let near = |fan: &[&PlanLine]| (fan[0].start - at).norm_squared();
-        let next = fans
-            .iter()
-            .min_by(|a, b| near(a.1).total_cmp(&near(b.1)))
-            .map(|(&key, _)| key);
+        let next = fans.iter().min_by(|a, b| near(a.1).total_cmp(&near(b.1))).map(|(&key, _)| key);
         let Some(mut fan) = next.and_then(|key| fans.remove(&key)) else {
             break;
         };
@@ -45,11 +42,8 @@ pub(super) fn by_vertex(work: &Work<'_>, lines: &[PlanLine]) -> (Order, f64) {
             let (begin, end) = if back { (to, from) } else { (from, to) };
             length += (to - from).norm();
             // Within a fan the far ends lie side by side; only the way to it goes round walls.
-            length += if k == 0 {
-                connection(work, &travel, at, begin)
-            } else {
-                (begin - at).norm()
-            };
+            length +=
+                if k == 0 { connection(work, &travel, at, begin) } else { (begin - at).norm() };
             order.push((line.id, back));
             at = end;
         }
@@ -68,10 +62,8 @@ fn connection(work: &Work<'_>, travel: &Travel, at: Point, to: Point) -> f64 {
 
 /// A short tour over `lines` from where the robot stands, and its length in metres.
 pub(super) fn shortest(work: &Work<'_>, lines: &[&PlanLine]) -> (Order, f64) {
-    let drives: Vec<(u32, Point, Point)> = lines
-        .iter()
-        .filter_map(|line| line.drive.map(|(a, b)| (line.id, a, b)))
-        .collect();
+    let drives: Vec<(u32, Point, Point)> =
+        lines.iter().filter_map(|line| line.drive.map(|(a, b)| (line.id, a, b))).collect();
     let mut tour = Tour::new(work, &drives);
     tour.nearest_first();
     for _ in 0..ROUNDS {
@@ -81,11 +73,7 @@ pub(super) fn shortest(work: &Work<'_>, lines: &[&PlanLine]) -> (Order, f64) {
         }
     }
     let driven: f64 = drives.iter().map(|(_, a, b)| (b - a).norm()).sum();
-    let order = tour
-        .stops
-        .iter()
-        .map(|stop| (drives[stop.line].0, stop.back))
-        .collect();
+    let order = tour.stops.iter().map(|stop| (drives[stop.line].0, stop.back)).collect();
     (order, driven + tour.ways())
 }
 
@@ -106,10 +94,7 @@ impl Stop {
     }
 
     fn turned(self) -> Self {
-        Self {
-            line: self.line,
-            back: !self.back,
-        }
+        Self { line: self.line, back: !self.back }
     }
 }
 
@@ -135,11 +120,7 @@ impl Tour {
                 ways[j * size + i] = way;
             }
         }
-        Self {
-            count: drives.len(),
-            ways,
-            stops: Vec::new(),
-        }
+        Self { count: drives.len(), ways, stops: Vec::new() }
     }
 
     fn way(&self, a: usize, b: usize) -> f32 {
@@ -148,18 +129,12 @@ impl Tour {
 
     /// The end that the robot comes from before stop `k`.
     fn before(&self, k: usize) -> usize {
-        if k == 0 {
-            2 * self.count
-        } else {
-            self.stops[k - 1].exit()
-        }
+        if k == 0 { 2 * self.count } else { self.stops[k - 1].exit() }
     }
 
     /// Way into the stop after `k` from `from`; nothing after the last.
     fn onward(&self, from: usize, k: usize) -> f32 {
-        self.stops
-            .get(k + 1)
-            .map_or(0.0, |next| self.way(from, next.entry()))
+        self.stops.get(k + 1).map_or(0.0, |next| self.way(from, next.entry()))
     }
 
     fn ways(&self) -> f64 {
@@ -177,10 +152,8 @@ impl Tour {
                 .iter()
                 .enumerate()
                 .flat_map(|(slot, &line)| [false, true].map(|back| (slot, Stop { line, back })));
-            let nearest = ends.min_by(|a, b| {
-                self.way(at, a.1.entry())
-                    .total_cmp(&self.way(at, b.1.entry()))
-            });
+            let nearest =
+                ends.min_by(|a, b| self.way(at, a.1.entry()).total_cmp(&self.way(at, b.1.entry())));
             let Some((slot, stop)) = nearest else { break };
             left.swap_remove(slot);
             at = stop.exit();
@@ -221,15 +194,10 @@ impl Tour {
             let (mut place, mut best, mut as_is) = (i, out - 1e-4, stop);
             for k in 0..=self.stops.len() {
                 let from = self.before(k);
-                let skipped = self
-                    .stops
-                    .get(k)
-                    .map_or(0.0, |next| self.way(from, next.entry()));
+                let skipped = self.stops.get(k).map_or(0.0, |next| self.way(from, next.entry()));
                 for way in [stop, stop.turned()] {
-                    let on = self
-                        .stops
-                        .get(k)
-                        .map_or(0.0, |next| self.way(way.exit(), next.entry()));
+                    let on =
+                        self.stops.get(k).map_or(0.0, |next| self.way(way.exit(), next.entry()));
                     let cost = self.way(from, way.entry()) + on - skipped;
                     if cost < best {
                         (place, best, as_is) = (k, cost, way);

@@ -148,8 +148,7 @@ impl<'a> Fan<'a> {
             let piece = (vertex + count - k) % count;
             (piece, self.pieces[piece].from())
         });
-        self.runs(vertex, end, forwards)
-            .or_else(|| self.runs(vertex, end, backwards))
+        self.runs(vertex, end, forwards).or_else(|| self.runs(vertex, end, backwards))
     }
 
     fn runs(
@@ -226,15 +225,8 @@ mod tests {
         assert_eq!(narrow, 1, "beside the wall of 3 m, 80 mm off at its end");
         assert_eq!(count(&lines, Some(LineReason::AlongBoundary)), 6);
         let fan: Vec<&PlanLine> = lines.iter().filter(|line| line.vertex == 0).collect();
-        let last = fan
-            .windows(2)
-            .map(|w| (w[1].end - w[0].end).norm())
-            .next_back()
-            .unwrap();
-        assert!(
-            (last - (5.0 - 7.0 * 0.7)).abs() < 1e-9,
-            "the last step is {last} m"
-        );
+        let last = fan.windows(2).map(|w| (w[1].end - w[0].end).norm()).next_back().unwrap();
+        assert!((last - (5.0 - 7.0 * 0.7)).abs() < 1e-9, "the last step is {last} m");
     }
 
     #[test]
@@ -244,9 +236,7 @@ mod tests {
             let inner = angle::FRAC_PI_2;
             assert!(line.angle <= inner + 1e-9, "{line:?}");
         }
-        let middle = lines
-            .iter()
-            .find(|l| l.vertex == 0 && l.end == Point::new(5.0, 0.5));
+        let middle = lines.iter().find(|l| l.vertex == 0 && l.end == Point::new(5.0, 0.5));
         let want = angle::atan2(0.5, 5.0);
         assert!((middle.unwrap().angle - want).abs() < 1e-12);
         for fan in lines.chunk_by(|a, b| a.vertex == b.vertex) {
@@ -263,18 +253,13 @@ mod tests {
         assert_eq!(across.status, LineStatus::Rejected);
         // From (0, 1.5) to (4, 1.5) a line would just touch the notch's wall: it stays. From the
         // vertex (4, 1.5) along that wall and on across the room it is no boundary line either.
-        let grazing = lines
-            .iter()
-            .find(|l| l.start == a && l.end == Point::new(0.0, 1.5));
+        let grazing = lines.iter().find(|l| l.start == a && l.end == Point::new(0.0, 1.5));
         assert_eq!(grazing.unwrap().reason, None);
     }
 
     #[test]
     fn lines_along_a_cut_stay_once() {
-        let (left, right) = (
-            rooms::boxed(0.0, 0.0, 2.0, 2.0),
-            rooms::boxed(2.0, 0.0, 4.0, 2.0),
-        );
+        let (left, right) = (rooms::boxed(0.0, 0.0, 2.0, 2.0), rooms::boxed(2.0, 0.0, 4.0, 2.0));
         let mut shape = rooms::shape(&rooms::rectangle(4.0, 2.0));
         let mut part = shape.parts.remove(0);
         part.ring = left;
@@ -286,11 +271,7 @@ mod tests {
         let floor = rooms::floor(&shape.outline, &[]);
         let lines = lines(&floor, &shape, 0.5, 1);
         let along = |line: &&PlanLine| line.start.x == 2.0 && line.end.x == 2.0;
-        let kept = lines
-            .iter()
-            .filter(along)
-            .filter(|line| line.reason.is_none())
-            .count();
+        let kept = lines.iter().filter(along).filter(|line| line.reason.is_none()).count();
         assert_eq!(kept, 1, "the cut is driven along once");
         assert!(lines.iter().filter(along).count() >= 4);
     }
@@ -303,12 +284,7 @@ mod tests {
             let same_edge = pair[0].vertex == pair[1].vertex;
             let step = (pair[1].end - pair[0].end).norm();
             if same_edge && step > 1e-9 {
-                assert!(
-                    step <= 0.3 + 1e-9,
-                    "{step} m between {} and {}",
-                    pair[0].end,
-                    pair[1].end
-                );
+                assert!(step <= 0.3 + 1e-9, "{step} m between {} and {}", pair[0].end, pair[1].end);
                 steps += 1;
             }
         }

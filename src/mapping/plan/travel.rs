@@ -64,11 +64,7 @@ impl Travel {
             ((width - 1).wrapping_neg(), DIAGONAL),
         ];
         // Closed cells count as reached at once, so that one comparison tells both.
-        let mut steps: Vec<u32> = self
-            .open
-            .iter()
-            .map(|&o| if o { u32::MAX } else { 0 })
-            .collect();
+        let mut steps: Vec<u32> = self.open.iter().map(|&o| if o { u32::MAX } else { 0 }).collect();
         let mut buckets: [Vec<u32>; 8] = std::array::from_fn(|_| Vec::new());
         let (x, y) = self.grid.locate(at);
         let inner = |v: usize, most: usize| v.clamp(1, most.saturating_sub(2).max(1));

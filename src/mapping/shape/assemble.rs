@@ -42,20 +42,12 @@ pub(super) fn whole_circle(samples: &[Sample], sigma: f64) -> Option<Ring> {
     let circle = moments.circle()?;
     let tolerance = 3.5 * sigma + 0.002;
     let off = |s: &Sample| ((s.point - circle.center).norm() - circle.radius).abs();
-    let worst = samples
-        .iter()
-        .map(|s| off(s) * s.weight.sqrt())
-        .fold(0.0, f64::max);
-    let mut bearings: Vec<f64> = samples
-        .iter()
-        .map(|s| angle::of(s.point - circle.center))
-        .collect();
+    let worst = samples.iter().map(|s| off(s) * s.weight.sqrt()).fold(0.0, f64::max);
+    let mut bearings: Vec<f64> =
+        samples.iter().map(|s| angle::of(s.point - circle.center)).collect();
     bearings.sort_by(f64::total_cmp);
     let around = bearings.first()? + angle::TAU - bearings.last()?;
-    let gap = bearings
-        .windows(2)
-        .map(|p| p[1] - p[0])
-        .fold(around, f64::max);
+    let gap = bearings.windows(2).map(|p| p[1] - p[0]).fold(around, f64::max);
     // A polygon's corners stray from its circle by more than the noise; few contacts prove nothing.
     let rms = (circle.residual / samples.len() as f64).sqrt();
     let enough = samples.len() >= 8 && gap < 0.9;
@@ -65,11 +57,7 @@ pub(super) fn whole_circle(samples: &[Sample], sigma: f64) -> Option<Ring> {
 
 /// The ring of `runs`; none when no simple one can be made.
 pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> Option<Ring> {
-    let judge = Judge {
-        samples,
-        sigma,
-        reach,
-    };
+    let judge = Judge { samples, sigma, reach };
     let mut freedom = vec![Freedom::Fit; runs.len()];
     for _ in 0..40 {
         let vertices = without_small_loops(tidy(draw(&judge, runs, &freedom)));
@@ -122,12 +110,8 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
             } else {
                 return None;
             };
-            let at = meeting(
-                points[i],
-                points[(i + 1) % count],
-                points[k],
-                points[(k + 1) % count],
-            )?;
+            let at =
+                meeting(points[i], points[(i + 1) % count], points[k], points[(k + 1) % count])?;
             (straight(i) && straight(k)).then_some((owners[from], owners[to], at))
         });
         let Some((from, to, at)) = small else {
@@ -142,14 +126,7 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         vertices.rotate_left((from + 1) % total);
         let run = vertices[removed - 1].run;
         vertices.drain(..removed);
-        vertices.insert(
-            0,
-            Vertex {
-                at,
-                bulge: 0.0,
-                run,
-            },
-        );
+        vertices.insert(0, Vertex { at, bulge: 0.0, run });
     }
     vertices
 }
@@ -179,43 +156,22 @@ fn draw(judge: &Judge<'_>, runs: &[Run], freedom: &[Freedom]) -> Vec<Vertex> {
         let (start, end) = (joints[(k + count - 1) % count].start, joints[k].end);
         if freedom[k] == Freedom::Contacts {
             let contacts = &judge.samples[run.first..=run.last];
-            vertices.extend(contacts.iter().map(|s| Vertex {
-                at: s.point,
-                bulge: 0.0,
-                run: k,
-            }));
+            vertices.extend(contacts.iter().map(|s| Vertex { at: s.point, bulge: 0.0, run: k }));
             continue;
         }
-        vertices.push(Vertex {
-            at: start,
-            bulge: bulge(&run.model, start, end),
-            run: k,
-        });
-        vertices.push(Vertex {
-            at: end,
-            bulge: 0.0,
-            run: k,
-        });
+        vertices.push(Vertex { at: start, bulge: bulge(&run.model, start, end), run: k });
+        vertices.push(Vertex { at: end, bulge: 0.0, run: k });
     }
     vertices
 }
 
 /// tan(sweep / 4) of the arc from `start` to `end` through the middle of the fitted one.
 fn bulge(model: &Model, start: Point, end: Point) -> f64 {
-    let Model::Arc {
-        center,
-        radius,
-        hollow,
-    } = *model
-    else {
+    let Model::Arc { center, radius, hollow } = *model else {
         return 0.0;
     };
     let (a, b) = (angle::of(start - center), angle::of(end - center));
-    let sweep = if hollow {
-        angle::wrap_positive(b - a)
-    } else {
-        -angle::wrap_positive(a - b)
-    };
+    let sweep = if hollow { angle::wrap_positive(b - a) } else { -angle::wrap_positive(a - b) };
     let middle = center + angle::unit(a + sweep / 2.0) * radius;
     let chord = end - start;
     if chord.norm() < SHORTEST || sweep.abs() > 6.2 {
@@ -246,13 +202,7 @@ fn tidy(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
 fn to_ring(vertices: &[Vertex]) -> Ring {
     let count = vertices.len();
     let pieces = (0..count)
-        .map(|k| {
-            Piece::with_bulge(
-                vertices[k].at,
-                vertices[(k + 1) % count].at,
-                vertices[k].bulge,
-            )
-        })
+        .map(|k| Piece::with_bulge(vertices[k].at, vertices[(k + 1) % count].at, vertices[k].bulge))
         .collect();
     Ring { pieces }
 }
@@ -262,9 +212,7 @@ fn chords(ring: &Ring) -> (Vec<Point>, Vec<usize>) {
     let mut points = Vec::new();
     let mut owners = Vec::new();
     for (index, piece) in ring.pieces.iter().enumerate() {
-        let single = Ring {
-            pieces: vec![*piece],
-        };
+        let single = Ring { pieces: vec![*piece] };
         let part = single.to_points(SAGITTA);
         owners.extend(std::iter::repeat_n(index, part.len()));
         points.extend(part);

@@ -22,11 +22,7 @@ pub(super) fn outline(contacts: &[Contact]) -> Option<Ring> {
         return None;
     }
     let thin = thinned(&points);
-    let kept = if first_crossing(&thin).is_none() && thin.len() >= 3 {
-        thin
-    } else {
-        points
-    };
+    let kept = if first_crossing(&thin).is_none() && thin.len() >= 3 { thin } else { points };
     Some(Ring::polygon(&kept))
 }
 
@@ -82,11 +78,7 @@ fn cross_each_other(p: (Point, Point), q: (Point, Point)) -> bool {
 /// Douglas and Peucker's thinning, from two contacts far apart.
 fn thinned(points: &[Point]) -> Vec<Point> {
     let far = (0..points.len())
-        .max_by(|&a, &b| {
-            (points[a] - points[0])
-                .norm()
-                .total_cmp(&(points[b] - points[0]).norm())
-        })
+        .max_by(|&a, &b| (points[a] - points[0]).norm().total_cmp(&(points[b] - points[0]).norm()))
         .unwrap_or(0);
     let mut closed = points.to_vec();
     closed.push(points[0]);

@@ -20,12 +20,7 @@ pub fn identify(outline: Ring, _contacts: &[Contact]) -> Shape {
     let vertices = turn_points(&outline);
     let class = class(&outline, &vertices);
     let parts = split::parts(&outline, class);
-    Shape {
-        class,
-        outline,
-        vertices,
-        parts,
-    }
+    Shape { class, outline, vertices, parts }
 }
 
 /// Where the outline turns by more than 1 degree, in order along it.

@@ -35,10 +35,7 @@ impl Judge<'_> {
     pub(super) fn joint(&self, a: &Run, b: &Run) -> Joint {
         let (end, start) = (self.foot(a, a.last), self.foot(b, b.first));
         match self.corner(a, b, end, start) {
-            Some(corner) => Joint {
-                end: corner,
-                start: corner,
-            },
+            Some(corner) => Joint { end: corner, start: corner },
             None => self.thin_end(a, b).unwrap_or_else(|| self.link(a, b)),
         }
     }
@@ -48,10 +45,7 @@ impl Judge<'_> {
         let (end, start) = (self.foot(a, a.last), self.foot(b, b.first));
         if (end - start).norm() < 0.003 {
             let middle = nalgebra::center(&end, &start);
-            return Joint {
-                end: middle,
-                start: middle,
-            };
+            return Joint { end: middle, start: middle };
         }
         Joint { end, start }
     }
@@ -119,11 +113,8 @@ impl Judge<'_> {
     fn seen_through(&self, a: &Run, b: &Run, end: Point, corner: Point, start: Point) -> bool {
         let low = a.last.saturating_sub(8).max(a.first);
         let near = |run: &Run, from_end: bool| {
-            let range = if from_end {
-                low..=run.last
-            } else {
-                run.first..=run.last.min(run.first + 8)
-            };
+            let range =
+                if from_end { low..=run.last } else { run.first..=run.last.min(run.first + 8) };
             self.samples[range].iter()
         };
         near(a, true).chain(near(b, false)).any(|s| {
@@ -177,13 +168,7 @@ fn heading(model: &Model, p: Point) -> Option<Vector> {
 fn intersections(a: &Model, b: &Model, slack: f64) -> [Option<Point>; 2] {
     match (*a, *b) {
         (Model::Lone(_), _) | (_, Model::Lone(_)) => [None, None],
-        (
-            Model::Line { center, direction },
-            Model::Line {
-                center: other,
-                direction: along,
-            },
-        ) => {
+        (Model::Line { center, direction }, Model::Line { center: other, direction: along }) => {
             let sine = cross(direction, along);
             if sine.abs() < 0.01 {
                 return [None, None];
@@ -191,43 +176,12 @@ fn intersections(a: &Model, b: &Model, slack: f64) -> [Option<Point>; 2] {
             let t = cross(other - center, along) / sine;
             [Some(center + direction * t), None]
         }
-        (
-            Model::Line { center, direction },
-            Model::Arc {
-                center: hub,
-                radius,
-                ..
-            },
-        )
-        | (
-            Model::Arc {
-                center: hub,
-                radius,
-                ..
-            },
-            Model::Line { center, direction },
-        ) => {
+        (Model::Line { center, direction }, Model::Arc { center: hub, radius, .. })
+        | (Model::Arc { center: hub, radius, .. }, Model::Line { center, direction }) => {
             let foot = center + direction * (hub - center).dot(&direction);
-            chord(
-                foot,
-                direction,
-                radius * radius - (hub - foot).norm_squared(),
-                radius,
-                slack,
-            )
+            chord(foot, direction, radius * radius - (hub - foot).norm_squared(), radius, slack)
         }
-        (
-            Model::Arc {
-                center: p,
-                radius: r,
-                ..
-            },
-            Model::Arc {
-                center: q,
-                radius: s,
-                ..
-            },
-        ) => {
+        (Model::Arc { center: p, radius: r, .. }, Model::Arc { center: q, radius: s, .. }) => {
             let between = q - p;
             let gap = between.norm();
             if gap < 1e-6 {

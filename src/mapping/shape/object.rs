@@ -32,10 +32,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
 fn passes_contacts(ring: &Ring, contacts: &[Contact]) -> bool {
     let touched = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
     let (on, all) = touched.fold((0, 0), |(on, all), contact| {
-        (
-            on + usize::from(ring.distance(contact.point) < 0.015),
-            all + 1,
-        )
+        (on + usize::from(ring.distance(contact.point) < 0.015), all + 1)
     });
     ring.area().abs() > 1e-5 && on * 10 >= all * 9
 }
@@ -46,10 +43,7 @@ fn class(ring: &Ring) -> ObjectClass {
     }
     let count = ring.pieces.len();
     let right = (0..count).all(|k| {
-        let (u, v) = (
-            ring.pieces[k].tangent(1.0),
-            ring.pieces[(k + 1) % count].tangent(0.0),
-        );
+        let (u, v) = (ring.pieces[k].tangent(1.0), ring.pieces[(k + 1) % count].tangent(0.0));
         (angle::atan2(cross(u, v), u.dot(&v)) - angle::FRAC_PI_2).abs() < RIGHT
     });
     if count == 4 && right {

@@ -22,11 +22,8 @@ pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
     let usable = |c: &&Contact| {
         c.point.coords.iter().all(|v| v.is_finite()) && c.from.coords.iter().all(|v| v.is_finite())
     };
-    let (edges, mut surface): (Vec<Contact>, Vec<Contact>) = contacts
-        .iter()
-        .filter(usable)
-        .copied()
-        .partition(|c| c.kind == ContactKind::Edge);
+    let (edges, mut surface): (Vec<Contact>, Vec<Contact>) =
+        contacts.iter().filter(usable).copied().partition(|c| c.kind == ContactKind::Edge);
     surface.truncate(end_of_lap(&surface));
     shorten(&mut surface);
     let half = surface.len() / 2;
@@ -84,13 +81,8 @@ struct Lifted {
 
 impl Lifted {
     fn of(contact: &Contact) -> Self {
-        let side = (contact.from - contact.point)
-            .try_normalize(1e-9)
-            .unwrap_or_else(Vector::zeros);
-        Self {
-            point: contact.point,
-            side: side * SIDE,
-        }
+        let side = (contact.from - contact.point).try_normalize(1e-9).unwrap_or_else(Vector::zeros);
+        Self { point: contact.point, side: side * SIDE }
     }
 
     fn distance(&self, other: &Self) -> f64 {

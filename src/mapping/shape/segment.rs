@@ -34,11 +34,7 @@ pub(super) enum Model {
     /// A straight wall through `center`, travelled along the unit vector `direction`.
     Line { center: Point, direction: Vector },
     /// A circular wall; `hollow` when the floor lies inside the circle (counter-clockwise way).
-    Arc {
-        center: Point,
-        radius: f64,
-        hollow: bool,
-    },
+    Arc { center: Point, radius: f64, hollow: bool },
 }
 
 /// Contacts `first..=last` and what explains them.
@@ -84,15 +80,8 @@ struct Step {
 
 fn cheapest(samples: &[Sample], sigma: f64) -> Vec<Run> {
     let count = samples.len();
-    let start = Step {
-        cost: 0.0,
-        from: 0,
-        model: Model::Lone(Point::origin()),
-    };
-    let unknown = Step {
-        cost: f64::INFINITY,
-        ..start
-    };
+    let start = Step { cost: 0.0, from: 0, model: Model::Lone(Point::origin()) };
+    let unknown = Step { cost: f64::INFINITY, ..start };
     let mut best = vec![unknown; count + 1];
     best[0] = start;
     for i in 0..count {
@@ -102,11 +91,7 @@ fn cheapest(samples: &[Sample], sigma: f64) -> Vec<Run> {
     let mut end = count;
     while end > 0 {
         let step = best[end];
-        runs.push(Run {
-            first: step.from,
-            last: end - 1,
-            model: step.model,
-        });
+        runs.push(Run { first: step.from, last: end - 1, model: step.model });
         end = step.from;
     }
     runs.reverse();
@@ -118,11 +103,7 @@ fn extend(samples: &[Sample], sigma: f64, i: usize, best: &mut [Step]) {
     let base = best[i].cost;
     let mut offer = |end: usize, cost: f64, model: Model| {
         if base + cost < best[end].cost {
-            best[end] = Step {
-                cost: base + cost,
-                from: i,
-                model,
-            };
+            best[end] = Step { cost: base + cost, from: i, model };
         }
     };
     offer(i + 1, LINE_PENALTY, Model::Lone(samples[i].point));
@@ -155,11 +136,7 @@ fn extend(samples: &[Sample], sigma: f64, i: usize, best: &mut [Step]) {
                 offer(k + 1, ARC_PENALTY + cost, model);
             }
         }
-        hopeless = if fits || k - i < ARC_CONTACTS {
-            0
-        } else {
-            hopeless + 1
-        };
+        hopeless = if fits || k - i < ARC_CONTACTS { 0 } else { hopeless + 1 };
         if hopeless > 4 {
             break;
         }
@@ -170,11 +147,7 @@ fn line_model(line: &LineFit, first: Point, last: Point) -> Model {
     let forward = line.direction.dot(&(last - first)) >= 0.0;
     Model::Line {
         center: line.center,
-        direction: if forward {
-            line.direction
-        } else {
-            -line.direction
-        },
+        direction: if forward { line.direction } else { -line.direction },
     }
 }
 
@@ -195,10 +168,8 @@ fn arc_model(circle: &CircleFit, samples: &[Sample]) -> Option<Model> {
         return None;
     }
     // A corner between two clusters of contacts is no arc.
-    let widest = samples
-        .windows(2)
-        .map(|pair| (pair[1].point - pair[0].point).norm())
-        .fold(0.0, f64::max);
+    let widest =
+        samples.windows(2).map(|pair| (pair[1].point - pair[0].point).norm()).fold(0.0, f64::max);
     (widest < circle.radius * (span.abs() / 3.0).min(0.9)).then_some(Model::Arc {
         center: circle.center,
         radius: circle.radius,
@@ -278,22 +249,11 @@ fn joined(samples: &[Sample], a: &Run, b: &Run, sigma: f64) -> Option<(f64, Run)
             if circle.radius > LARGEST_RADIUS || gap > 0.5 * circle.radius {
                 return None;
             }
-            Model::Arc {
-                center: circle.center,
-                radius: circle.radius,
-                hollow,
-            }
+            Model::Arc { center: circle.center, radius: circle.radius, hollow }
         }
         _ => return None,
     };
-    let run = Run {
-        first: a.first,
-        last: b.last,
-        model,
-    };
-    let worst = both
-        .iter()
-        .map(|s| run.distance(s.point) * s.weight.sqrt())
-        .fold(0.0, f64::max);
+    let run = Run { first: a.first, last: b.last, model };
+    let worst = both.iter().map(|s| run.distance(s.point) * s.weight.sqrt()).fold(0.0, f64::max);
     (worst < 3.0 * sigma + 0.0015).then_some((worst, run))
 }

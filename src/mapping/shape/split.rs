@@ -19,12 +19,7 @@ const SAGITTA: f64 = 0.001;
 /// The parts of `outline`: one for everything that is not complex.
 pub(super) fn parts(outline: &Ring, class: ShapeClass) -> Vec<Part> {
     let whole = |class, circle| {
-        vec![Part {
-            class,
-            ring: outline.clone(),
-            cut: vec![false; outline.pieces.len()],
-            circle,
-        }]
+        vec![Part { class, ring: outline.clone(), cut: vec![false; outline.pieces.len()], circle }]
     };
     match class {
         ShapeClass::Circle => {
@@ -53,22 +48,11 @@ fn divide(outline: &Ring) -> Vec<Part> {
             break;
         };
         let arc = rest[k];
-        let chord = Piece::Line {
-            from: arc.from(),
-            to: arc.to(),
-        };
-        if let Piece::Arc {
-            center,
-            radius,
-            sweep,
-            ..
-        } = arc
-        {
+        let chord = Piece::Line { from: arc.from(), to: arc.to() };
+        if let Piece::Arc { center, radius, sweep, .. } = arc {
             parts.push(Part {
                 class: arc_class(sweep),
-                ring: Ring {
-                    pieces: vec![arc, chord.reversed()],
-                },
+                ring: Ring { pieces: vec![arc, chord.reversed()] },
                 cut: vec![false, true],
                 circle: Some((center, radius)),
             });
@@ -82,12 +66,7 @@ fn divide(outline: &Ring) -> Vec<Part> {
     } else {
         PartClass::Concave
     };
-    parts.push(Part {
-        class,
-        ring,
-        cut,
-        circle: None,
-    });
+    parts.push(Part { class, ring, cut, circle: None });
     parts
 }
 
@@ -103,16 +82,8 @@ fn arc_class(sweep: f64) -> PartClass {
 
 /// The ring as one circular part: an arc with its chord, or with two radii.
 fn circular(pieces: &[Piece], cut: &[bool]) -> Option<Part> {
-    let at = pieces
-        .iter()
-        .position(|p| matches!(p, Piece::Arc { sweep, .. } if *sweep > 0.0))?;
-    let Piece::Arc {
-        center,
-        radius,
-        sweep,
-        ..
-    } = pieces[at]
-    else {
+    let at = pieces.iter().position(|p| matches!(p, Piece::Arc { sweep, .. } if *sweep > 0.0))?;
+    let Piece::Arc { center, radius, sweep, .. } = pieces[at] else {
         return None;
     };
     let straight = |p: &Piece| matches!(p, Piece::Line { .. });
@@ -136,9 +107,7 @@ fn circular(pieces: &[Piece], cut: &[bool]) -> Option<Part> {
     };
     Some(Part {
         class,
-        ring: Ring {
-            pieces: pieces.to_vec(),
-        },
+        ring: Ring { pieces: pieces.to_vec() },
         cut: cut.to_vec(),
         circle: Some((center, radius)),
     })
@@ -162,10 +131,7 @@ fn can_cut(pieces: &[Piece], k: usize) -> bool {
         return false;
     }
     // The arc itself must not cross what remains either: the chord has to lie inside the floor.
-    let inside = Ring {
-        pieces: vec![pieces[k]],
-    }
-    .to_points(SAGITTA);
+    let inside = Ring { pieces: vec![pieces[k]] }.to_points(SAGITTA);
     !pieces.iter().enumerate().any(|(n, piece)| {
         let near = n == k || n + 1 == k || k + 1 == n || n.abs_diff(k) + 1 == pieces.len();
         !near && enters(piece, &inside, from, to)
@@ -174,17 +140,9 @@ fn can_cut(pieces: &[Piece], k: usize) -> bool {
 
 /// Whether `piece` reaches into the circular segment that `arc` (as points) makes with its chord.
 fn enters(piece: &Piece, arc: &[Point], from: Point, to: Point) -> bool {
-    let points = Ring {
-        pieces: vec![*piece],
-    }
-    .to_points(SAGITTA);
-    points
-        .iter()
-        .zip(points.iter().skip(1).chain(std::iter::once(&piece.to())))
-        .any(|(&a, &b)| {
-            segments_meet(a, b, from, to)
-                || arc
-                    .windows(2)
-                    .any(|pair| segments_meet(a, b, pair[0], pair[1]))
-        })
+    let points = Ring { pieces: vec![*piece] }.to_points(SAGITTA);
+    points.iter().zip(points.iter().skip(1).chain(std::iter::once(&piece.to()))).any(|(&a, &b)| {
+        segments_meet(a, b, from, to)
+            || arc.windows(2).any(|pair| segments_meet(a, b, pair[0], pair[1]))
+    })
 }

@@ -26,12 +26,7 @@ pub(super) struct Roll {
 
 impl Roll {
     pub(super) fn new(sigma: f64, seed: u64) -> Self {
-        Self {
-            sigma,
-            seed,
-            outside: false,
-            wall_left: true,
-        }
+        Self { sigma, seed, outside: false, wall_left: true }
     }
 }
 
@@ -48,11 +43,7 @@ impl Walls {
     fn of(ring: &Ring) -> Self {
         let points = ring.to_points(2e-5);
         let count = points.len();
-        Self(
-            (0..count)
-                .map(|k| (points[k], points[(k + 1) % count]))
-                .collect(),
-        )
+        Self((0..count).map(|k| (points[k], points[(k + 1) % count])).collect())
     }
 
     fn clearance(&self, p: Point) -> f64 {
@@ -61,11 +52,7 @@ impl Walls {
             let t = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
             (a + along * t - p).norm_squared()
         };
-        self.0
-            .iter()
-            .map(distance)
-            .fold(f64::INFINITY, f64::min)
-            .sqrt()
+        self.0.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt()
     }
 
     /// The walls near `p`.
@@ -105,18 +92,12 @@ impl Walls {
                 let steps = (turn.abs() / 0.1).ceil();
                 for i in 1..steps as usize {
                     let bearing = angle::of(before) + turn * i as f64 / steps;
-                    spots.push(Spot {
-                        point: a,
-                        normal: angle::unit(bearing),
-                    });
+                    spots.push(Spot { point: a, normal: angle::unit(bearing) });
                 }
             }
             let count = ((b - a).norm() / step).ceil();
             for i in 0..count as usize {
-                spots.push(Spot {
-                    point: a + (b - a) * ((i as f64 + 0.5) / count),
-                    normal,
-                });
+                spots.push(Spot { point: a + (b - a) * ((i as f64 + 0.5) / count), normal });
             }
         }
         spots
@@ -134,16 +115,9 @@ impl Walls {
 /// The contacts of one lap along `truth`, with some overlap.
 pub(super) fn roll(truth: &Ring, how: Roll) -> Vec<Contact> {
     let mut rng = ChaCha8Rng::seed_from_u64(how.seed);
-    let walls = Walls::of(&if how.outside {
-        truth.reversed()
-    } else {
-        truth.clone()
-    });
-    let mut centers: Vec<Point> = walls
-        .touchable(KEPT, 0.005)
-        .iter()
-        .map(|s| s.point + s.normal * KEPT)
-        .collect();
+    let walls = Walls::of(&if how.outside { truth.reversed() } else { truth.clone() });
+    let mut centers: Vec<Point> =
+        walls.touchable(KEPT, 0.005).iter().map(|s| s.point + s.normal * KEPT).collect();
     // With the floor on the left of the way, the wall is on the right.
     if how.wall_left {
         centers.reverse();
@@ -189,20 +163,14 @@ fn scan(
             continue;
         }
         let noise = (rng.random::<f64>() + rng.random::<f64>() + rng.random::<f64>() - 1.5) * 2.0;
-        let (inner, direction) = if here < next {
-            (here, bearing(k))
-        } else {
-            (next, bearing((k + 1) % STEPS))
-        };
+        let (inner, direction) =
+            if here < next { (here, bearing(k)) } else { (next, bearing((k + 1) % STEPS)) };
         let smooth = (here - next).abs() < 0.02;
         let (range, kind) = if smooth {
             let share = (REACH - here) / (next - here);
             let exact = angle::unit(angle::TAU * (k as f64 + share) / STEPS as f64);
             let range = near.ray(at, exact);
-            found.push((
-                at + exact * (range + noise * sigma) + drift,
-                ContactKind::Range,
-            ));
+            found.push((at + exact * (range + noise * sigma) + drift, ContactKind::Range));
             continue;
         } else {
             (inner + noise * 0.01, ContactKind::Edge)
@@ -254,10 +222,7 @@ pub(super) fn compare_with(ring: &Ring, truth: &Ring, radius: f64) -> Error {
     while y < high.y + 5.0 * step {
         let mut x = low.x - 4.37 * step;
         while x < high.x + 5.0 * step {
-            let (p, q) = (
-                ring.contains(Point::new(x, y)),
-                truth.contains(Point::new(x, y)),
-            );
+            let (p, q) = (ring.contains(Point::new(x, y)), truth.contains(Point::new(x, y)));
             both += f64::from(u8::from(p && q));
             either += f64::from(u8::from(p || q));
             x += step;

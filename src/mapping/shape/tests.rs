@@ -1,3 +1,5 @@
+//! What the fit, the classes and the parts come to on rooms whose truth is known.
+
 use super::testing::{REACH, Roll, compare, roll, worlds};
 use super::*;
 use crate::geometry::Ring;
@@ -7,10 +9,7 @@ fn survey(name: &str, truth: &Ring) {
         for seed in 0..4 {
             let contacts = roll(truth, Roll::new(sigma, seed));
             match outline(&contacts, REACH) {
-                Err(why) => println!(
-                    "{name} sigma {sigma} seed {seed}: {why}, {}",
-                    contacts.len()
-                ),
+                Err(why) => println!("{name} sigma {sigma} seed {seed}: {why}, {}", contacts.len()),
                 Ok(ring) => {
                     let error = compare(&ring, truth);
                     let pieces = ring.pieces.len();

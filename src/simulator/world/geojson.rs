@@ -37,11 +37,7 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
     }
     let (mut boundary, mut start, mut objects) = (None, None, Vec::new());
     for (index, feature) in file.features.iter().enumerate() {
-        let role = feature
-            .properties
-            .get("role")
-            .and_then(Value::as_str)
-            .unwrap_or("");
+        let role = feature.properties.get("role").and_then(Value::as_str).unwrap_or("");
         let here = format!("{place}: feature {index} ({role})");
         let Some(geometry) = &feature.geometry else {
             return Err(WorldError::new(here, "has no geometry"));
@@ -61,11 +57,8 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
             "object" => objects.push((name(feature, index), object(feature, geometry, &here)?)),
             "start" => {
                 let [x, y] = point(geometry, &here)?;
-                let heading = feature
-                    .properties
-                    .get("heading")
-                    .and_then(Value::as_f64)
-                    .unwrap_or(0.0);
+                let heading =
+                    feature.properties.get("heading").and_then(Value::as_f64).unwrap_or(0.0);
                 start = Some(Pose::new(x, y, heading));
             }
             "start_alt" => {}
@@ -80,29 +73,13 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
         }
     }
     let missing = |role: &str| {
-        WorldError::new(
-            place,
-            format!("no feature with role `{role}`; a world needs one"),
-        )
+        WorldError::new(place, format!("no feature with role `{role}`; a world needs one"))
     };
-    let objects = objects
-        .into_iter()
-        .map(|(name, ring)| WorldObject { name, ring })
-        .collect();
+    let objects = objects.into_iter().map(|(name, ring)| WorldObject { name, ring }).collect();
     let boundary = boundary.ok_or_else(|| missing("boundary"))?;
     let start = start.ok_or_else(|| missing("start"))?;
-    let name = file
-        .properties
-        .get("id")
-        .and_then(Value::as_str)
-        .unwrap_or("unnamed")
-        .to_owned();
-    Ok(World {
-        name,
-        start,
-        boundary,
-        objects,
-    })
+    let name = file.properties.get("id").and_then(Value::as_str).unwrap_or("unnamed").to_owned();
+    Ok(World { name, start, boundary, objects })
 }
 
 fn name(feature: &Feature, index: usize) -> String {
@@ -127,34 +104,22 @@ fn pair(value: &Value, place: &str) -> Result<[f64; 2], WorldError> {
     let number = |k: usize| value.get(k).and_then(Value::as_f64);
     match (number(0), number(1)) {
         (Some(x), Some(y)) => Ok([x, y]),
-        _ => Err(WorldError::new(
-            place,
-            format!("{value} is not a position [x, y]"),
-        )),
+        _ => Err(WorldError::new(place, format!("{value} is not a position [x, y]"))),
     }
 }
 
 fn point(geometry: &Geometry, place: &str) -> Result<[f64; 2], WorldError> {
     if geometry.kind != "Point" {
-        return Err(WorldError::new(
-            place,
-            format!("is a {}; expected a Point", geometry.kind),
-        ));
+        return Err(WorldError::new(place, format!("is a {}; expected a Point", geometry.kind)));
     }
     pair(&geometry.coordinates, place)
 }
 
 fn polygon(geometry: &Geometry, place: &str) -> Result<Vec<Ring>, WorldError> {
     if geometry.kind != "Polygon" {
-        return Err(WorldError::new(
-            place,
-            format!("is a {}; expected a Polygon", geometry.kind),
-        ));
+        return Err(WorldError::new(place, format!("is a {}; expected a Polygon", geometry.kind)));
     }
-    let rings = geometry
-        .coordinates
-        .as_array()
-        .filter(|rings| !rings.is_empty());
+    let rings = geometry.coordinates.as_array().filter(|rings| !rings.is_empty());
     let rings = rings.ok_or_else(|| WorldError::new(place, "the Polygon has no ring"))?;
     rings
         .iter()

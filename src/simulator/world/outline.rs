@@ -15,9 +15,8 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
             corners.len()
         ));
     }
-    if let Some(k) = corners
-        .iter()
-        .position(|c| !(c.0.is_finite() && c.1.is_finite() && c.2.is_finite()))
+    if let Some(k) =
+        corners.iter().position(|c| !(c.0.is_finite() && c.1.is_finite() && c.2.is_finite()))
     {
         return error(format!("vertex {k} is not a number"));
     }
@@ -26,10 +25,7 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
     }
     let mut kept: Vec<Corner> = Vec::with_capacity(corners.len());
     for &c in corners {
-        if kept
-            .last()
-            .is_none_or(|last| last.0 != c.0 || last.1 != c.1)
-        {
+        if kept.last().is_none_or(|last| last.0 != c.0 || last.1 != c.1) {
             kept.push(c);
         }
     }
@@ -52,9 +48,7 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
         .collect();
     let ring = Ring { pieces };
     if let Some((a, b)) = first_crossing(&ring) {
-        return error(format!(
-            "the outline crosses itself: piece {a} meets piece {b}"
-        ));
+        return error(format!("the outline crosses itself: piece {a} meets piece {b}"));
     }
     if ring.area().abs() < 1e-6 {
         return error("the outline encloses no area".to_owned());
@@ -68,10 +62,7 @@ pub(super) fn circle(center: [f64; 2], radius: f64, place: &str) -> Result<Ring,
         return Err(WorldError::new(place, "the circle is not a number"));
     }
     if radius <= 0.0 {
-        return Err(WorldError::new(
-            place,
-            format!("radius {radius} must be above 0"),
-        ));
+        return Err(WorldError::new(place, format!("radius {radius} must be above 0")));
     }
     Ok(Ring::circle(Point::new(center[0], center[1]), radius))
 }

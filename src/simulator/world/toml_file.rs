@@ -52,44 +52,26 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
     }
     let file: File = toml::from_str(text).map_err(|why| syntax(&why, text, place))?;
     let missing = |key: &str, example: &str| {
-        WorldError::new(
-            place,
-            format!("`{key}` is missing; write for example {example}"),
-        )
+        WorldError::new(place, format!("`{key}` is missing; write for example {example}"))
     };
-    let start = file
-        .start
-        .ok_or_else(|| missing("start", "start = { x = 0.6, y = 0.6, heading = 90 }"))?;
+    let start =
+        file.start.ok_or_else(|| missing("start", "start = { x = 0.6, y = 0.6, heading = 90 }"))?;
     if !(start.x.is_finite() && start.y.is_finite() && start.heading.is_finite()) {
-        return Err(WorldError::new(
-            format!("{place}: start"),
-            "is not a number",
-        ));
+        return Err(WorldError::new(format!("{place}: start"), "is not a number"));
     }
     let boundary = file.boundary.ok_or_else(|| {
-        missing(
-            "boundary",
-            "[boundary] with vertices = [[0, 0], [5, 0], [5, 4], [0, 4]]",
-        )
+        missing("boundary", "[boundary] with vertices = [[0, 0], [5, 0], [5, 4], [0, 4]]")
     })?;
     let boundary = ring(&boundary, &format!("{place}: boundary"))?;
     let mut objects = Vec::with_capacity(file.objects.len());
     for (index, object) in file.objects.iter().enumerate() {
-        let name = object
-            .name
-            .clone()
-            .unwrap_or_else(|| format!("object {index}"));
+        let name = object.name.clone().unwrap_or_else(|| format!("object {index}"));
         let ring = ring(object, &format!("{place}: objects[{index}] \"{name}\""))?;
         objects.push(WorldObject { name, ring });
     }
     let name = file.name.unwrap_or_else(|| "unnamed".to_owned());
     let start = Pose::new(start.x, start.y, start.heading.to_radians());
-    Ok(World {
-        name,
-        start,
-        boundary,
-        objects,
-    })
+    Ok(World { name, start, boundary, objects })
 }
 
 fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
@@ -114,22 +96,19 @@ fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
             outline::ring(&corners, place)
         }
         (None, Some(circle)) => outline::circle(circle.center, circle.radius, place),
-        (Some(_), Some(_)) => Err(WorldError::new(
-            place,
-            "has both `vertices` and `circle`; keep one of them",
-        )),
+        (Some(_), Some(_)) => {
+            Err(WorldError::new(place, "has both `vertices` and `circle`; keep one of them"))
+        }
         (None, None) => Err(WorldError::new(place, "needs `vertices` or `circle`")),
     }
 }
 
 fn syntax(why: &toml::de::Error, text: &str, place: &str) -> WorldError {
-    let line = why.span().map_or(1, |span| {
-        text[..span.start.min(text.len())].matches('\n').count() + 1
-    });
+    let line =
+        why.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
     let mut what = why.message().trim().replace('\n', " ");
-    if let Some(unknown) = what
-        .strip_prefix("unknown field `")
-        .and_then(|rest| rest.split('`').next())
+    if let Some(unknown) =
+        what.strip_prefix("unknown field `").and_then(|rest| rest.split('`').next())
     {
         let nearest = KEYS.iter().min_by_key(|key| distance(key, unknown));
         if let Some(nearest) = nearest {
@@ -147,9 +126,7 @@ fn distance(a: &str, b: &str) -> usize {
         let mut diagonal = row[0];
         row[0] = i + 1;
         for (j, y) in b.iter().enumerate() {
-            let next = (diagonal + usize::from(x != *y))
-                .min(row[j] + 1)
-                .min(row[j + 1] + 1);
+            let next = (diagonal + usize::from(x != *y)).min(row[j] + 1).min(row[j + 1] + 1);
             diagonal = row[j + 1];
             row[j + 1] = next;
         }

@@ -99,14 +99,7 @@ pub(in crate::mapping::shape) fn regular(sides: usize, radius: f64) -> Ring {
 }
 
 pub(in crate::mapping::shape) fn l_room() -> Ring {
-    polygon(&[
-        (0.0, 0.0),
-        (5.0, 0.0),
-        (5.0, 2.0),
-        (2.5, 2.0),
-        (2.5, 4.0),
-        (0.0, 4.0),
-    ])
+    polygon(&[(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.5, 2.0), (2.5, 4.0), (0.0, 4.0)])
 }
 
 pub(in crate::mapping::shape) fn u_room() -> Ring {
@@ -159,34 +152,19 @@ pub(in crate::mapping::shape) fn comb() -> Ring {
     let mut vertices = vec![(0.0, 0.0), (6.0, 0.0), (6.0, 3.0)];
     for tooth in 0..4 {
         let right = 5.3 - 1.3 * f64::from(tooth);
-        vertices.extend([
-            (right, 3.0),
-            (right, 1.4),
-            (right - 0.5, 1.4),
-            (right - 0.5, 3.0),
-        ]);
+        vertices.extend([(right, 3.0), (right, 1.4), (right - 0.5, 1.4), (right - 0.5, 3.0)]);
     }
     vertices.push((0.0, 3.0));
     polygon(&vertices)
 }
 
 pub(in crate::mapping::shape) fn stadium() -> Ring {
-    bulged(&[
-        (0.0, 0.0, 0.0),
-        (4.0, 0.0, 1.0),
-        (4.0, 2.0, 0.0),
-        (0.0, 2.0, 1.0),
-    ])
+    bulged(&[(0.0, 0.0, 0.0), (4.0, 0.0, 1.0), (4.0, 2.0, 0.0), (0.0, 2.0, 1.0)])
 }
 
 /// A rectangle with a semicircle on one side.
 pub(in crate::mapping::shape) fn d_room() -> Ring {
-    bulged(&[
-        (0.0, 0.0, 0.0),
-        (2.0, 0.0, 1.0),
-        (2.0, 3.0, 0.0),
-        (0.0, 3.0, 0.0),
-    ])
+    bulged(&[(0.0, 0.0, 0.0), (2.0, 0.0, 1.0), (2.0, 3.0, 0.0), (0.0, 3.0, 0.0)])
 }
 
 pub(in crate::mapping::shape) fn semicircle() -> Ring {

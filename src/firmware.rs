@@ -238,3 +238,6 @@ impl Firmware {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -273,3 +273,6 @@ impl Hardware for Body {
         Some(edge)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -202,3 +202,6 @@ impl Firmware {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

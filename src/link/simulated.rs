@@ -89,3 +89,6 @@ impl SimulatedLink {
         self.body.contact()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -259,3 +259,6 @@ impl Hardware for Body {
         Some(edge)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -39,9 +39,8 @@ fn world() -> World {
         );
     }
     let corner = |k: i32| angle::unit(f64::from(k) * angle::TAU / 6.0) * 0.7;
-    let corners: Vec<String> = (0..6)
-        .map(|k| format!("[{}, {}]", 5.0 + corner(k).x, 5.0 + corner(k).y))
-        .collect();
+    let corners: Vec<String> =
+        (0..6).map(|k| format!("[{}, {}]", 5.0 + corner(k).x, 5.0 + corner(k).y)).collect();
     let _ = writeln!(text, "[[objects]]\nvertices = [{}]", corners.join(", "));
     match World::from_toml(&text, "bench", 0.1) {
         Ok(world) => world,
@@ -102,22 +101,11 @@ fn body_step_at_a_wall(bencher: divan::Bencher<'_, '_>, noise: NoiseProfile) {
 /// The motions of a robot that has no plan: a leg, a turn, and so on.
 fn wander(number: u32) -> Command {
     let motion = if number.is_multiple_of(2) {
-        Motion::Move {
-            distance: 1.5,
-            speed: 0.2,
-        }
+        Motion::Move { distance: 1.5, speed: 0.2 }
     } else {
-        Motion::Turn {
-            angle: 0.9 + f64::from(number % 7) * 0.3,
-            rate: 2.0,
-        }
+        Motion::Turn { angle: 0.9 + f64::from(number % 7) * 0.3, rate: 2.0 }
     };
-    Command {
-        id: CommandId(number + 1),
-        motion,
-        guard: Guard::default(),
-        time_limit: 20.0,
-    }
+    Command { id: CommandId(number + 1), motion, guard: Guard::default(), time_limit: 20.0 }
 }
 
 #[divan::bench]
@@ -191,10 +179,8 @@ fn parry_rays_and_point(bencher: divan::Bencher<'_, '_>) {
             let ahead = pose.direction();
             for k in 0..8 {
                 let beam = angle::unit(f64::from(k) * angle::FRAC_PI_4);
-                let (x, y) = (
-                    ahead.x * beam.x - ahead.y * beam.y,
-                    ahead.y * beam.x + ahead.x * beam.y,
-                );
+                let (x, y) =
+                    (ahead.x * beam.x - ahead.y * beam.y, ahead.y * beam.x + ahead.x * beam.y);
                 let ray = Ray::new(here, ParryVector::new(x, y));
                 met += usize::from(walls.cast_local_ray(&ray, BEAM, false).is_some());
             }

@@ -26,9 +26,7 @@ fn files() -> Vec<PathBuf> {
 }
 
 fn ending(path: &Path) -> &str {
-    path.extension()
-        .and_then(|ending| ending.to_str())
-        .unwrap_or_default()
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
 }
 
 fn load(path: &Path) -> World {
@@ -37,17 +35,13 @@ fn load(path: &Path) -> World {
 
 fn drawn() -> Vec<(String, World)> {
     let files = files().into_iter().filter(|path| ending(path) == "toml");
-    files
-        .map(|path| (path.display().to_string(), load(&path)))
-        .collect()
+    files.map(|path| (path.display().to_string(), load(&path))).collect()
 }
 
 /// Metres to the nearest wall or object.
 fn clearance(world: &World, at: Point) -> f64 {
     let rings = std::iter::once(&world.boundary).chain(world.objects.iter().map(|o| &o.ring));
-    rings
-        .map(|ring| ring.distance(at))
-        .fold(f64::INFINITY, f64::min)
+    rings.map(|ring| ring.distance(at)).fold(f64::INFINITY, f64::min)
 }
 
 fn free(world: &World, at: Point) -> bool {
@@ -74,19 +68,9 @@ fn each_drawn_world_says_what_it_shows() {
     for path in files().into_iter().filter(|path| ending(path) == "toml") {
         let text = fs::read_to_string(&path).expect("a world");
         let first = text.lines().next().unwrap_or_default();
-        let said = first
-            .strip_prefix("# ")
-            .is_some_and(|words| words.ends_with('.'));
-        assert!(
-            said,
-            "{}: begins with \"{first}\", not with a sentence",
-            path.display()
-        );
-        assert!(
-            load(&path).name != "unnamed",
-            "{}: has no name",
-            path.display()
-        );
+        let said = first.strip_prefix("# ").is_some_and(|words| words.ends_with('.'));
+        assert!(said, "{}: begins with \"{first}\", not with a sentence", path.display());
+        assert!(load(&path).name != "unnamed", "{}: has no name", path.display());
     }
 }
 
@@ -97,10 +81,7 @@ fn traced_worlds_name_their_source() {
     let mut traced = 0;
     for path in files().into_iter().filter(|path| ending(path) == "geojson") {
         let name = path.file_name().expect("a name").to_string_lossy();
-        assert!(
-            notice.contains(name.as_ref()),
-            "{name} is not in sims/NOTICE.md"
-        );
+        assert!(notice.contains(name.as_ref()), "{name} is not in sims/NOTICE.md");
         traced += 1;
     }
     assert!(traced >= 2, "only {traced} worlds traced from real places");
@@ -115,10 +96,7 @@ fn objects_touch_walls_or_stand_well_clear() {
             let rings = others.map(|(_, o)| &o.ring).chain([&world.boundary]);
             let gap = object.ring.to_points(0.001).into_iter();
             let gap = gap.fold(f64::INFINITY, |least, point| {
-                rings
-                    .clone()
-                    .map(|r| r.distance(point))
-                    .fold(least, f64::min)
+                rings.clone().map(|r| r.distance(point)).fold(least, f64::min)
             });
             objects += 1;
             assert!(
@@ -147,11 +125,7 @@ fn no_passage_is_in_doubt() {
         let room: Vec<f64> = (0..columns * rows)
             .map(|k| {
                 let at = place(k);
-                if free(&world, at) {
-                    clearance(&world, at)
-                } else {
-                    0.0
-                }
+                if free(&world, at) { clearance(&world, at) } else { 0.0 }
             })
             .collect();
         let flood = |from: usize, radius: f64| {

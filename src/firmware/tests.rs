@@ -31,12 +31,7 @@ impl Robot {
     fn send(&mut self, motion: Motion, guard: Guard, time_limit: f64) {
         self.number += 1;
         let id = CommandId(self.number);
-        let command = Command {
-            id,
-            motion,
-            guard,
-            time_limit,
-        };
+        let command = Command { id, motion, guard, time_limit };
         self.firmware.command(command, &self.body);
     }
 
@@ -46,8 +41,7 @@ impl Robot {
             self.firmware.heartbeat();
         }
         let said = &mut self.said;
-        self.firmware
-            .step(&mut self.body, |telemetry, _| said.push(telemetry));
+        self.firmware.step(&mut self.body, |telemetry, _| said.push(telemetry));
         self.body.step(STEP);
     }
 
@@ -74,20 +68,14 @@ impl Robot {
 }
 
 fn ahead(distance: f64) -> Motion {
-    Motion::Move {
-        distance,
-        speed: 0.2,
-    }
+    Motion::Move { distance, speed: 0.2 }
 }
 
 fn turn(angle: f64) -> Motion {
     Motion::Turn { angle, rate: 2.0 }
 }
 
-const FREE: Guard = Guard {
-    rise: SwitchSet::EMPTY,
-    fall: SwitchSet::EMPTY,
-};
+const FREE: Guard = Guard { rise: SwitchSet::EMPTY, fall: SwitchSet::EMPTY };
 
 #[test]
 fn a_move_covers_its_distance_to_the_tick() {
@@ -116,20 +104,14 @@ fn a_turn_covers_its_angle() {
 #[test]
 fn speed_and_acceleration_stay_within_the_chassis() {
     let mut robot = Robot::at(1.0, 2.0, 0.0);
-    let hasty = Motion::Move {
-        distance: 2.0,
-        speed: 9.0,
-    };
+    let hasty = Motion::Move { distance: 2.0, speed: 9.0 };
     robot.send(hasty, FREE, 30.0);
     let (mut x, mut speed) = (robot.x(), 0.0);
     for _ in 0..200 {
         robot.step(true);
         let now = (robot.x() - x) / STEP;
         assert!(now <= 0.2 + 1e-9, "{now} m/s");
-        assert!(
-            now - speed <= 1.0 * STEP + 1e-9,
-            "from {speed} to {now} m/s"
-        );
+        assert!(now - speed <= 1.0 * STEP + 1e-9, "from {speed} to {now} m/s");
         (x, speed) = (robot.x(), now);
     }
     assert!(x > 1.5, "it did move: {x}");
@@ -138,15 +120,9 @@ fn speed_and_acceleration_stay_within_the_chassis() {
 #[test]
 fn a_guard_ends_the_move_within_its_braking_distance() {
     let mut robot = Robot::at(4.0, 2.0, 0.0);
-    let guard = Guard {
-        rise: SwitchSet::only(0),
-        fall: SwitchSet::EMPTY,
-    };
+    let guard = Guard { rise: SwitchSet::only(0), fall: SwitchSet::EMPTY };
     robot.send(ahead(3.0), guard, 30.0);
-    let expected = DoneReason::Guard {
-        sensor: 0,
-        rising: true,
-    };
+    let expected = DoneReason::Guard { sensor: 0, rising: true };
     assert_eq!(robot.until_done(true).0, expected);
     let over = robot.x() - (6.0 - 0.16);
     assert!(over > 0.0 && over < 0.03, "stopped {over} m after the edge");
@@ -156,33 +132,21 @@ fn a_guard_ends_the_move_within_its_braking_distance() {
 #[test]
 fn a_guard_that_is_already_closed_waits_for_a_new_edge() {
     let mut robot = Robot::at(5.86, 2.0, 0.0);
-    let guard = Guard {
-        rise: SwitchSet::only(0),
-        fall: SwitchSet::EMPTY,
-    };
+    let guard = Guard { rise: SwitchSet::only(0), fall: SwitchSet::EMPTY };
     robot.send(turn(angle::TAU - 0.8), guard, 30.0);
     let (reason, _) = robot.until_done(true);
     assert_eq!(reason, DoneReason::Complete);
     robot.send(turn(0.8), guard, 30.0);
     let (reason, _) = robot.until_done(true);
-    assert!(
-        matches!(reason, DoneReason::Guard { rising: true, .. }),
-        "{reason:?}"
-    );
+    assert!(matches!(reason, DoneReason::Guard { rising: true, .. }), "{reason:?}");
 }
 
 #[test]
 fn a_falling_guard_ends_a_turn() {
     let mut robot = Robot::at(5.86, 2.0, 0.0);
-    let guard = Guard {
-        rise: SwitchSet::EMPTY,
-        fall: SwitchSet::only(0),
-    };
+    let guard = Guard { rise: SwitchSet::EMPTY, fall: SwitchSet::only(0) };
     robot.send(turn(3.0), guard, 30.0);
-    let expected = DoneReason::Guard {
-        sensor: 0,
-        rising: false,
-    };
+    let expected = DoneReason::Guard { sensor: 0, rising: false };
     assert_eq!(robot.until_done(true).0, expected);
 }
 
@@ -240,10 +204,7 @@ fn a_silent_host_stops_the_robot_within_300_ms_and_the_braking() {
     let (reason, seconds) = robot.until_done(false);
     assert_eq!(reason, DoneReason::HostSilent);
     let braking = 0.2 / Chassis::default().acceleration;
-    assert!(
-        seconds <= WATCHDOG + braking + 3.0 * STEP,
-        "it took {seconds} s"
-    );
+    assert!(seconds <= WATCHDOG + braking + 3.0 * STEP, "it took {seconds} s");
     assert!(robot.x() - heard < 0.2 * (WATCHDOG + braking), "ran on");
     let stands = robot.x();
     for _ in 0..20 {
@@ -275,11 +236,7 @@ fn a_command_that_comes_twice_is_one_command() {
     for _ in 0..100 {
         robot.step(true);
     }
-    assert!(
-        (robot.x() - 1.1).abs() <= 5e-4,
-        "moved twice: {}",
-        robot.x()
-    );
+    assert!((robot.x() - 1.1).abs() <= 5e-4, "moved twice: {}", robot.x());
 }
 
 #[test]

@@ -12,23 +12,15 @@ fn draws(profile: NoiseProfile) -> impl Iterator<Item = Noise> {
 }
 
 fn wheel_errors(profile: NoiseProfile) -> Vec<f64> {
-    draws(profile)
-        .flat_map(|noise| noise.wheel_scale)
-        .map(|scale| (scale - 1.0).abs())
-        .collect()
+    draws(profile).flat_map(|noise| noise.wheel_scale).map(|scale| (scale - 1.0).abs()).collect()
 }
 
 fn biases(profile: NoiseProfile) -> Vec<f64> {
-    draws(profile)
-        .map(|noise| noise.gyro_bias / DEGREES_AN_HOUR)
-        .collect()
+    draws(profile).map(|noise| noise.gyro_bias / DEGREES_AN_HOUR).collect()
 }
 
 fn most(values: &[f64]) -> f64 {
-    values
-        .iter()
-        .copied()
-        .fold(0.0, |most, v| most.max(v.abs()))
+    values.iter().copied().fold(0.0, |most, v| most.max(v.abs()))
 }
 
 fn deviation(values: &[f64]) -> f64 {
@@ -39,11 +31,9 @@ fn deviation(values: &[f64]) -> f64 {
 
 #[test]
 fn wheels_stay_within_what_the_profile_says_and_use_it_up() {
-    for (profile, size) in [
-        (NoiseProfile::Calibrated, 0.002),
-        (NoiseProfile::Raw, 0.01),
-        (NoiseProfile::Harsh, 0.02),
-    ] {
+    for (profile, size) in
+        [(NoiseProfile::Calibrated, 0.002), (NoiseProfile::Raw, 0.01), (NoiseProfile::Harsh, 0.02)]
+    {
         let largest = most(&wheel_errors(profile));
         assert!(
             largest <= size && largest > 0.9 * size,
@@ -67,10 +57,7 @@ fn gyro_drift_lies_between_its_bounds_with_either_sign() {
             );
         }
         let left = biases.iter().filter(|bias| **bias > 0.0).count();
-        assert!(
-            left > 120 && left < 280,
-            "{profile}: {left} of {SEEDS} drift to the left"
-        );
+        assert!(left > 120 && left < 280, "{profile}: {left} of {SEEDS} drift to the left");
     }
 }
 
@@ -94,9 +81,8 @@ fn gyro_scale_is_off_by_half_a_percent_at_most() {
 #[test]
 fn a_second_at_rest_walks_the_gyro_by_a_twentieth_of_a_degree() {
     let mut noise = Noise::new(NoiseProfile::Calibrated, 3, 8);
-    let walks: Vec<f64> = (0..1000)
-        .map(|_| (0..50).map(|_| noise.gyro_error(0.02)).sum::<f64>())
-        .collect();
+    let walks: Vec<f64> =
+        (0..1000).map(|_| (0..50).map(|_| noise.gyro_error(0.02)).sum::<f64>()).collect();
     let walk = deviation(&walks).to_degrees();
     assert!((walk - 0.05).abs() < 0.005, "{walk} degrees after a second");
 }
@@ -117,15 +103,9 @@ fn harsh_switches_are_off_by_a_tenth_and_miss_now_and_then() {
     let mut noise = Noise::new(NoiseProfile::Harsh, 5, 8);
     let missed = (0..10_000).filter(|_| noise.misses()).count();
     assert!(missed > 50 && missed < 200, "{missed} of 10000 missed");
-    let ranges: Vec<f64> = draws(NoiseProfile::Harsh)
-        .flat_map(|noise| noise.range)
-        .map(|range| range - 1.0)
-        .collect();
-    assert!(
-        most(&ranges) <= 0.1 && most(&ranges) > 0.09,
-        "{}",
-        most(&ranges)
-    );
+    let ranges: Vec<f64> =
+        draws(NoiseProfile::Harsh).flat_map(|noise| noise.range).map(|range| range - 1.0).collect();
+    assert!(most(&ranges) <= 0.1 && most(&ranges) > 0.09, "{}", most(&ranges));
 }
 
 #[test]

@@ -3,9 +3,9 @@
 
 pub mod adjust;
 pub mod ahead;
+pub mod chart;
 pub mod circuit;
 pub mod event;
-pub mod fix;
 pub mod floor;
 pub mod follow;
 pub mod map;
@@ -16,5 +16,6 @@ pub mod plan;
 pub mod search;
 pub mod settings;
 pub mod shape;
+pub mod survey;
 pub mod tour;
 pub mod wall;

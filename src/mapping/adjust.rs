@@ -1,22 +1,20 @@
 //! Taking the misclosure of a lap out of it, as surveyors do with a closed traverse.
 //!
 //! The stretch that was driven twice is laid on itself: contacts of the overlap against the walls
-//! made by the first contacts. What does not fit is the misclosure. Its angle is spread over the
-//! lap in proportion to time (the gyro drifts with time), what then remains of its displacement in
-//! proportion to distance (Bowditch's rule: encoders err with distance).
+//! made by the first contacts. What does not fit is the misclosure. It is spread over the lap by
+//! least squares: heading errs by drift and random walk with time, position with distance and with
+//! the heading before it (see `survey`); measured better than angles first and Bowditch after.
 
 use super::circuit::Closure;
 use super::map::{Misclosure, PathPoint};
+use super::survey::{Survey, Tie};
 use super::wall::{Sighting, Stretch};
 use crate::geometry::{Point, Pose, Vector, angle, cross, perp};
 use crate::mapping::map::ContactKind;
 use nalgebra::{Matrix3, Vector3};
 
-/// Believed spread of a contact about its wall, metres.
-const CONTACT_SD: f64 = 0.003;
-/// How far off a lap may be before anything was measured: position per metre, and heading.
-const POSITION_SD_PER_METRE: f64 = 0.006;
-const HEADING_SD: f64 = 0.05;
+/// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
+const CONTACT_SD: f64 = 0.005;
 
 /// What the overlap says of a lap.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,13 +24,19 @@ pub struct Overlap {
     /// Share of the overlap's contacts that fall on walls seen at the beginning once the
     /// misclosure is taken out, 0 to 1. Low when this is another place that only looks near.
     pub agreement: f64,
+    /// What the overlap alone says: normal matrix and right-hand side of (dx, dy, heading).
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+    /// Standard deviations of the misclosure in its worse direction (metres) and heading (radians).
+    pub sd: (f64, f64),
 }
 
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
 /// overlap: the contacts after `closure.to` laid on the walls after `closure.from` (iterated closest
-/// points, point to line, with odometry's own spread as the prior).
+/// points, point to line). What the overlap leaves open (a straight wall says nothing of the way
+/// along it, an arc nothing of a turn about its centre) is left to what `traverse` expects.
 #[must_use]
-pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
+pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
     let since = |s: &Sighting| s.travelled - closure.from.travelled;
@@ -50,8 +54,7 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
         .collect();
     let lap = closure.length();
     let centre = closure.to.pose.position;
-    let position_weight = 1.0 / (0.02 + POSITION_SD_PER_METRE * lap).powi(2);
-    let prior = Vector3::new(position_weight, position_weight, 1.0 / HEADING_SD.powi(2));
+    let prior = traverse.prior();
     let shift = closure.to.pose.position - closure.from.pose.position;
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
@@ -62,15 +65,28 @@ pub fn measure(closure: &Closure, sightings: &[Sighting]) -> Overlap {
         Vector3::new(shift.x, shift.y, turn),
     ];
     let laid = Laid { early: &early, late: &late, centre, prior };
-    let (mut found, mut agreeing) = laid.closest(starts[0]);
+    let mut best = laid.closest(starts[0]);
     for start in &starts[1..] {
-        let (other, agree) = laid.closest(*start);
-        if agree > agreeing + late.len() / 20 {
-            (found, agreeing) = (other, agree);
+        let other = laid.closest(*start);
+        if other.agreeing > best.agreeing + late.len() / 20 {
+            best = other;
         }
     }
+    let Fit { found, agreeing, normal, right } = best;
     let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
-    Overlap { misclosure, agreement: agreeing as f64 / late.len().max(1) as f64 }
+    let spread = (normal + prior).try_inverse().unwrap_or_else(Matrix3::identity);
+    let position = spread.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
+    let sd = (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt());
+    let agreement = agreeing as f64 / late.len().max(1) as f64;
+    Overlap { misclosure, agreement, normal, right, sd }
+}
+
+/// How one look was laid on the other.
+struct Fit {
+    found: Vector3<f64>,
+    agreeing: usize,
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
 }
 
 /// Two looks at the same wall.
@@ -78,19 +94,18 @@ struct Laid<'a> {
     early: &'a [Point],
     late: &'a [Point],
     centre: Point,
-    prior: Vector3<f64>,
+    prior: Matrix3<f64>,
 }
 
 impl Laid<'_> {
     /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
     /// many of them then agree.
-    fn closest(&self, start: Vector3<f64>) -> (Vector3<f64>, usize) {
-        let mut found = start;
-        let mut agreeing = 0;
+    fn closest(&self, start: Vector3<f64>) -> Fit {
+        let mut fit =
+            Fit { found: start, agreeing: 0, normal: Matrix3::zeros(), right: Vector3::zeros() };
         for _ in 0..15 {
-            let mut normal = Matrix3::from_diagonal(&self.prior);
-            let mut right = Vector3::zeros();
-            agreeing = 0;
+            let found = fit.found;
+            let (mut normal, mut right, mut agreeing) = (Matrix3::zeros(), Vector3::zeros(), 0);
             for &point in self.late {
                 let arm = rotate(point - self.centre, -found.z);
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
@@ -109,16 +124,17 @@ impl Laid<'_> {
                 normal += row * row.transpose() * weight;
                 right += row * ((off + row.dot(&found)) * weight);
             }
-            let Some(solution) = normal.lu().solve(&right) else {
+            (fit.normal, fit.right, fit.agreeing) = (normal, right, agreeing);
+            let Some(solution) = (normal + self.prior).lu().solve(&right) else {
                 break;
             };
             let change = (solution - found).norm();
-            found = solution;
+            fit.found = solution;
             if change < 1e-5 {
                 break;
             }
         }
-        (found, agreeing)
+        fit
     }
 }
 
@@ -137,78 +153,101 @@ fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
     (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)
 }
 
+/// What the wheels add on a lap of many short moves, metres per root metre.
+const WHEEL_SD: f64 = 0.003;
+/// Knots of a lap at most.
+const MOST_KNOTS: f64 = 90.0;
+/// No knots are nearer to each other along the path, metres.
+const LEAST_SPACING: f64 = 0.25;
+
+/// The lap as an open traverse: its errors as they are to be expected before it is closed.
+#[derive(Debug, Clone)]
+pub struct Traverse {
+    survey: Survey,
+    ends: Option<(Tie, Tie)>,
+}
+
+impl Traverse {
+    /// The lap `closure` of the trajectory `path`, in order; errors count from `since_us` (robot
+    /// time) on.
+    #[must_use]
+    pub fn new(path: &[PathPoint], closure: &Closure, since_us: u64) -> Self {
+        let mut survey = Survey::default();
+        let begin = path.partition_point(|point| point.time_us < since_us).saturating_sub(1);
+        let path = &path[begin.min(path.len())..];
+        let length: f64 =
+            path.windows(2).map(|w| (w[1].pose.position - w[0].pose.position).norm()).sum();
+        let spacing = (length / MOST_KNOTS).max(LEAST_SPACING);
+        let (mut since_knot, mut from, mut to) = (f64::INFINITY, None, None);
+        for (k, point) in path.iter().enumerate() {
+            if let Some(before) = k.checked_sub(1).map(|j| path[j]) {
+                let seconds = point.time_us.saturating_sub(before.time_us) as f64 * 1e-6;
+                survey.predict(before.pose, point.pose, seconds, WHEEL_SD);
+                since_knot += (point.pose.position - before.pose.position).norm();
+            }
+            let is_from = from.is_none() && point.time_us >= closure.from.time_us;
+            let is_to = to.is_none() && point.time_us >= closure.to.time_us;
+            if is_from || is_to || since_knot > spacing {
+                let tie = survey.mark(point.pose.position, point.time_us);
+                since_knot = 0.0;
+                from = from.or(is_from.then_some(tie));
+                to = to.or(is_to.then_some(tie));
+            }
+        }
+        Self { survey, ends: from.zip(to) }
+    }
+
+    /// Information (inverse covariance) on the misclosure (dx, dy, heading) before any overlap.
+    fn prior(&self) -> Matrix3<f64> {
+        let expected = self.ends.map(|(from, to)| self.survey.relative(&from, &to));
+        let floor = Matrix3::from_diagonal(&Vector3::new(1e-6, 1e-6, 1e-6));
+        expected.and_then(|spread| (spread + floor).try_inverse()).unwrap_or_else(Matrix3::zeros)
+    }
+}
+
 /// How the trajectory moves when the misclosure is taken out.
 #[derive(Debug, Clone)]
 pub struct Adjustment {
-    raw: Vec<PathPoint>,
-    adjusted: Vec<PathPoint>,
+    survey: Survey,
 }
 
 impl Adjustment {
-    /// Spreads `misclosure` over the lap `closure`; `path` is the whole trajectory, in order. What
-    /// lies before the lap stays, what lies after it moves with its end.
+    /// Takes what `overlap` measured out of the lap `closure`; `path` is the trajectory, in order, of
+    /// which the part since `since_us` (robot time) is adjusted. What lies before that stays, what
+    /// lies after the lap moves with its end.
     #[must_use]
-    pub fn new(path: &[PathPoint], closure: &Closure, misclosure: &Misclosure) -> Self {
-        let (begin, end) = (closure.from.time_us, closure.to.time_us);
-        let seconds = (end.saturating_sub(begin)).max(1) as f64;
-        let share = |time_us: u64| (time_us.saturating_sub(begin) as f64 / seconds).clamp(0.0, 1.0);
-        let turn = |time_us: u64| -misclosure.heading * share(time_us);
-        let mut turned: Vec<PathPoint> = Vec::with_capacity(path.len());
-        let mut lengths: Vec<f64> = Vec::with_capacity(path.len());
-        for (k, point) in path.iter().enumerate() {
-            let mut pose = point.pose;
-            let mut length = 0.0;
-            if let (Some(before), Some(placed)) = (k.checked_sub(1).map(|j| path[j]), turned.last())
-            {
-                let leg = point.pose.position - before.pose.position;
-                let by = turn(before.time_us).midpoint(turn(point.time_us));
-                pose.position = placed.pose.position + rotate(leg, by);
-                if point.time_us > begin && point.time_us <= end {
-                    length = leg.norm();
-                }
-            }
-            pose.heading = angle::wrap(pose.heading + turn(point.time_us));
-            lengths.push(lengths.last().copied().unwrap_or(0.0) + length);
-            turned.push(PathPoint { pose, ..*point });
+    pub fn new(path: &[PathPoint], closure: &Closure, overlap: &Overlap, since_us: u64) -> Self {
+        let Traverse { mut survey, ends } = Traverse::new(path, closure, since_us);
+        if let Some((from, to)) = ends {
+            survey.close(&from, &to, &overlap.normal, &overlap.right);
         }
-        let total = lengths.last().copied().unwrap_or(0.0).max(1e-9);
-        let mut half = Self { raw: path.to_vec(), adjusted: turned };
-        let measured = closure.to.pose.position - Vector::new(misclosure.dx, misclosure.dy);
-        let rest = measured - half.place(closure.to.pose.position, end);
-        for (point, length) in half.adjusted.iter_mut().zip(&lengths) {
-            point.pose.position += rest * (length / total);
-        }
-        half
+        Self { survey }
     }
 
-    /// The trajectory with the misclosure taken out.
+    /// The survey after the adjustment; its knots are the lap's.
     #[must_use]
-    pub fn path(&self) -> &[PathPoint] {
-        &self.adjusted
+    pub fn into_survey(self) -> Survey {
+        self.survey
+    }
+
+    fn tie(&self, time_us: u64) -> Tie {
+        self.survey.tie(time_us, self.survey.knots())
     }
 
     /// Where a point goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn place(&self, point: Point, time_us: u64) -> Point {
-        self.pair(time_us).map_or(point, |(raw, adjusted)| {
-            adjusted.position + rotate(point - raw.position, adjusted.heading - raw.heading)
-        })
+        point + self.survey.displacement(point, &self.tie(time_us))
     }
 
     /// Where a pose goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
-        let turn = self.pair(time_us).map_or(0.0, |(raw, adjusted)| adjusted.heading - raw.heading);
+        let turn = self.survey.turn(&self.tie(time_us));
         Pose {
             position: self.place(pose.position, time_us),
             heading: angle::wrap(pose.heading + turn),
         }
-    }
-
-    fn pair(&self, time_us: u64) -> Option<(Pose, Pose)> {
-        let after = self.raw.partition_point(|point| point.time_us <= time_us);
-        let index = after.saturating_sub(1);
-        Some((self.raw.get(index)?.pose, self.adjusted.get(index)?.pose))
     }
 }
 

@@ -7,10 +7,9 @@
 //! about on the spot, and which way round it did so says nothing of the wall. That sense tells
 //! inside from outside.
 
-use super::adjust::measure;
+use super::adjust::{Overlap, Traverse, measure};
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
-use super::map::Misclosure;
 use super::odometry::Tracker;
 use super::wall::Wall;
 use crate::geometry::{Point, Pose, angle, cross};
@@ -71,7 +70,7 @@ pub enum Leg {
     /// Another motion.
     Go(Ask),
     /// The lap closed, and some of it was driven again for the misclosure.
-    Closed(Closure, Misclosure),
+    Closed(Closure, Overlap),
     /// It cannot go on.
     Failed(Failure),
 }
@@ -82,6 +81,14 @@ const BEGINNING: f64 = 1.2;
 const SHORTEST_LAP: f64 = 0.5;
 /// A lap longer than this will not close any more, metres.
 const LONGEST_LAP: f64 = 2000.0;
+
+/// Share of the overlap that must lie on the walls seen first.
+const AGREEMENT: f64 = 0.55;
+/// The overlap is driven on until the misclosure is known to this (metres, radians), ...
+const POSITION_ENOUGH: f64 = 0.005;
+const HEADING_ENOUGH: f64 = 0.003;
+/// ... but not further than this, metres.
+const MOST_OVERLAP: f64 = 4.0;
 
 /// A lap under way.
 #[derive(Debug, Clone)]
@@ -132,12 +139,19 @@ impl Circuit {
         if let Some(closure) = self.closure
             && tracker.travelled() > closure.to.travelled + self.overlap
         {
-            let overlap = measure(&closure, self.wall.log());
-            if overlap.agreement > 0.55 {
-                return Leg::Closed(closure, overlap.misclosure);
+            let since = closure.from.time_us;
+            let traverse = Traverse::new(tracker.path(), &closure, since);
+            let overlap = measure(&closure, self.wall.log(), &traverse);
+            let driven = tracker.travelled() - closure.to.travelled;
+            let enough = overlap.sd.0 < POSITION_ENOUGH && overlap.sd.1 < HEADING_ENOUGH;
+            if overlap.agreement < AGREEMENT {
+                // It only looked near: this is another place, and the lap goes on.
+                self.closure = None;
+            } else if enough || driven > MOST_OVERLAP.min(0.3 * closure.length()) {
+                return Leg::Closed(closure, overlap);
+            } else {
+                self.overlap = driven + 0.2;
             }
-            // It only looked near: this is another place, and the lap goes on.
-            self.closure = None;
         }
         if self.follower.is_stuck() {
             return Leg::Failed(Failure::Boxed);

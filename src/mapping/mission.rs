@@ -5,21 +5,24 @@
 //! phases follow one another as the paper's section III does; Shape and Plan need no motion, so
 //! one call each is all of them. No clock, no I/O, no error: odd input becomes an event.
 
-use super::adjust::Adjustment;
+use super::adjust::{Adjustment, Overlap};
 use super::circuit::Closure;
 use super::event::{Event, EventKind, Failure};
-use super::fix::PoseFilter;
 use super::follow::{Ask, AtRest};
-use super::map::{Contact, Misclosure, Phase, RoomMap};
+use super::map::{Contact, Phase, RoomMap};
 use super::odometry::Tracker;
 use super::plan::{self, PlanRequest};
 use super::search::{Next, Search, lap_contacts};
 use super::settings::Settings;
 use super::shape;
+use super::survey::Survey;
 use super::tour::Tour;
 use super::wall::Wall;
 use crate::geometry::{Point, Pose};
 use crate::robot::{Command, CommandId, DoneReason, Motion, Odometer, SwitchSet, Telemetry};
+
+/// What the wheels add on the tour, where one move may be metres long, metres per root metre.
+const WHEEL_SD: f64 = 0.008;
 
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +66,7 @@ struct Awaited {
 pub struct Mission {
     settings: Settings,
     tracker: Tracker,
-    filter: PoseFilter,
+    survey: Survey,
     map: RoomMap,
     phase: Phase,
     task: Task,
@@ -86,7 +89,7 @@ impl Mission {
             AtRest { pose: settings.start, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
         Self {
             tracker: Tracker::new(&settings.chassis, settings.start),
-            filter: PoseFilter::default(),
+            survey: Survey::default(),
             map: RoomMap::default(),
             phase: Phase::Boundary,
             task: Task::Search(Box::new(Search::new(&settings))),
@@ -137,7 +140,7 @@ impl Mission {
     #[must_use]
     pub fn position_sd(&self) -> f64 {
         match self.phase {
-            Phase::Objects => self.filter.position_sd(),
+            Phase::Objects => self.survey.position_sd(),
             _ => 0.005 + 0.004 * self.tracker.travelled(),
         }
     }
@@ -224,7 +227,7 @@ impl Mission {
         self.tell(EventKind::AlphaSet { alpha }, out);
         if self.map.plan.is_some() {
             self.make_plan(out);
-            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map)));
+            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
         }
         true
     }
@@ -259,7 +262,7 @@ impl Mission {
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
                 self.closed = self.closed.with(edge.sensor, edge.rising);
                 if let (Task::Tour(tour), Some(seen), false) = (&mut self.task, seen, turning)
-                    && let Some(fixed) = tour.fix(&mut self.filter, pose, &seen)
+                    && let Some(fixed) = tour.fix(&mut self.survey, pose, &seen)
                 {
                     self.tracker.correct(fixed);
                 }
@@ -305,7 +308,7 @@ impl Mission {
         let pose = self.tracker.advance(odometer, self.phase);
         if self.phase == Phase::Objects {
             let seconds = odometer.time_us.saturating_sub(time) as f64 * 1e-6;
-            self.filter.predict(before, pose, seconds);
+            self.survey.predict(before, pose, seconds, WHEEL_SD);
         }
         let (travelled, closed) = (self.tracker.travelled(), self.closed);
         if let Some(wall) = self.wall_mut() {
@@ -365,7 +368,8 @@ impl Mission {
                 self.tell(EventKind::PhaseEnded { phase: Phase::Plan }, out);
                 self.phase = Phase::Objects;
                 self.tell(EventKind::PhaseBegan { phase: Phase::Objects }, out);
-                self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map)));
+                self.task =
+                    Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
             }
             Task::Tour(tour) => self.tour(tour, out),
             Task::Over => {}
@@ -384,8 +388,8 @@ impl Mission {
                 self.task = Task::Search(search);
                 self.order(&ask, out);
             }
-            Next::Found(closure, misclosure) => {
-                self.close_boundary(search.wall(), &closure, misclosure);
+            Next::Found(closure, overlap) => {
+                self.close_boundary(search.wall(), &closure, &overlap);
                 self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
                 self.phase = Phase::Shape;
                 self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);
@@ -406,19 +410,21 @@ impl Mission {
 
     /// Takes the misclosure out of the lap, its contacts, the trajectory and the pose, and learns
     /// the gyro's drift from it.
-    fn close_boundary(&mut self, wall: &Wall, closure: &Closure, misclosure: Misclosure) {
-        let adjustment = Adjustment::new(self.tracker.path(), closure, &misclosure);
+    fn close_boundary(&mut self, wall: &Wall, closure: &Closure, overlap: &Overlap) {
+        let adjustment = Adjustment::new(self.tracker.path(), closure, overlap, 0);
         self.map.contacts = lap_contacts(wall, closure, &adjustment);
         self.map.closed = true;
-        self.map.misclosure = Some(misclosure);
-        let now = adjustment.pose(self.tracker.pose(), self.tracker.time_us());
-        *self.tracker.path_mut() = adjustment.path().to_vec();
+        self.map.misclosure = Some(overlap.misclosure);
+        for point in self.tracker.path_mut() {
+            point.pose = adjustment.pose(point.pose, point.time_us);
+        }
+        let mut survey = adjustment.into_survey();
+        let now = survey.take_pose(self.tracker.pose());
         self.tracker.correct(now);
         self.rest.pose = now;
-        let seconds = (closure.to.time_us - closure.from.time_us) as f64 * 1e-6;
-        if seconds > 60.0 {
-            self.tracker.set_bias(misclosure.heading / seconds);
-        }
+        self.tracker.set_bias(self.tracker.bias() - survey.take_bias());
+        survey.rebase();
+        self.survey = survey;
     }
 
     fn shape(&mut self, out: &mut Vec<Output>) {
@@ -455,7 +461,7 @@ impl Mission {
     fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
         let mut told = Vec::new();
         let next =
-            tour.next(&mut self.tracker, &mut self.filter, &self.rest, &mut self.map, &mut told);
+            tour.next(&mut self.tracker, &mut self.survey, &self.rest, &mut self.map, &mut told);
         for kind in told {
             self.tell(kind, out);
         }
@@ -463,9 +469,19 @@ impl Mission {
             self.task = Task::Tour(tour);
             self.order(&ask, out);
         } else {
+            tour.publish(&self.survey, &mut self.map);
+            self.refine();
             self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;
             self.tell(EventKind::Complete, out);
+        }
+    }
+
+    /// Fits the outline once more, to contacts that all the touches of the tour have put right.
+    fn refine(&mut self) {
+        let reach = self.settings.chassis.reach();
+        if let Ok(outline) = shape::outline(&self.map.contacts, reach) {
+            self.map.shape = Some(shape::identify(outline, &self.map.contacts));
         }
     }
 }

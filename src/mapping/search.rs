@@ -1,11 +1,11 @@
 //! The Boundary phase (paper III.C): pick a direction, drive until something is met, go round it;
 //! if that was an object, pick another direction, until it was the boundary.
 
-use super::adjust::Adjustment;
+use super::adjust::{Adjustment, Overlap};
 use super::circuit::{Circuit, Closure, Leg};
 use super::event::{EventKind, Failure};
 use super::follow::{Ask, AtRest, Side};
-use super::map::{MappedObject, Misclosure, RoomMap};
+use super::map::{MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
 use super::settings::Settings;
@@ -42,7 +42,7 @@ pub enum Next {
     /// A motion.
     Go(Ask),
     /// The boundary is found: this lap, with its misclosure.
-    Found(Closure, Misclosure),
+    Found(Closure, Overlap),
     /// It was not.
     Failed(Failure),
 }
@@ -142,15 +142,15 @@ impl Search {
                         self.doing = Doing::Lapping(circuit);
                         return Next::Go(ask);
                     }
-                    Leg::Closed(closure, misclosure) => {
+                    Leg::Closed(closure, overlap) => {
                         self.laps += 1;
                         let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
                         tell.push(EventKind::LapClosed { length, extrinsic });
                         self.wall = circuit.wall;
                         if !extrinsic {
-                            return Next::Found(closure, misclosure);
+                            return Next::Found(closure, overlap);
                         }
-                        self.record(tracker, &closure, &misclosure, map, tell);
+                        self.record(tracker, &closure, &overlap, map, tell);
                         self.turn_elsewhere(rest, tell);
                     }
                     Leg::Failed(why) => {
@@ -245,11 +245,12 @@ impl Search {
         &self,
         tracker: &Tracker,
         closure: &Closure,
-        misclosure: &Misclosure,
+        overlap: &Overlap,
         map: &mut RoomMap,
         tell: &mut Vec<EventKind>,
     ) {
-        let adjustment = Adjustment::new(tracker.path(), closure, misclosure);
+        let since = closure.from.time_us;
+        let adjustment = Adjustment::new(tracker.path(), closure, overlap, since);
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
         let (outline, class) = object_outline(&contacts, true);
         let id = map.objects.len() as u32 + 1;

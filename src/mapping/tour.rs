@@ -9,9 +9,9 @@
 mod drive;
 
 use super::adjust::Adjustment;
+use super::chart::Chart;
 use super::circuit::{Circuit, Leg};
 use super::event::{EventKind, Failure};
-use super::fix::{PoseFilter, Surface};
 use super::floor::{Coverage, Floor};
 use super::follow::{Ask, AtRest, Side};
 use super::map::{
@@ -21,6 +21,7 @@ use super::odometry::Tracker;
 use super::search::lap_contacts;
 use super::settings::{Contour, Settings};
 use super::shape::object_outline;
+use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
@@ -53,13 +54,12 @@ pub struct Tour {
     alpha: f64,
     contour: Contour,
     floor: Option<Floor>,
-    outline: Ring,
+    chart: Chart,
     doing: Doing,
     queue: VecDeque<(u32, bool)>,
     total: f64,
     driven: f64,
     wall: Wall,
-    objects: Vec<Ring>,
     covered: usize,
     coverage: Coverage,
     given_up: Vec<Point>,
@@ -70,7 +70,7 @@ pub struct Tour {
 impl Tour {
     /// The tour of `map.plan`.
     #[must_use]
-    pub fn new(settings: &Settings, map: &RoomMap) -> Self {
+    pub fn new(settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
         let plan = map.plan.as_ref();
         let length = |id: u32| {
             let line = plan.and_then(|plan| plan.lines.iter().find(|line| line.id == id));
@@ -83,13 +83,12 @@ impl Tour {
             alpha: settings.alpha,
             contour: settings.contour,
             floor: None,
-            outline: map.shape.as_ref().map(|shape| shape.outline.clone()).unwrap_or_default(),
+            chart: Chart::new(map, survey),
             doing: Doing::Choosing,
             total: queue.iter().map(|(id, _)| length(*id)).sum(),
             queue,
             driven: 0.0,
             wall: Wall::new(&settings.chassis),
-            objects: map.objects.iter().map(|object| object.outline.clone()).collect(),
             covered: 0,
             coverage: Coverage::new(),
             given_up: Vec::new(),
@@ -128,51 +127,32 @@ impl Tour {
     }
 
     /// The pose corrected by a contact with something mapped; none when it is nothing mapped.
-    pub fn fix(&self, filter: &mut PoseFilter, pose: Pose, seen: &Sighting) -> Option<Pose> {
-        if seen.kind != ContactKind::Range {
+    pub fn fix(&mut self, survey: &mut Survey, pose: Pose, seen: &Sighting) -> Option<Pose> {
+        // What is being gone round has a misclosure of its own, measured at its end.
+        if seen.kind != ContactKind::Range || matches!(self.doing, Doing::Rounding { .. }) {
             return None;
         }
-        let surface = self.surface_at(seen.point, seen.pose.position)?;
-        filter.update(pose, seen.point, &surface)
+        let surface = self.chart.surface_at(survey, seen.point, seen.pose.position)?;
+        survey.touch(pose, seen.point, &surface)
     }
 
-    /// The mapped surface at a contact, away from its corners, facing the robot.
-    fn surface_at(&self, point: Point, from: Point) -> Option<Surface> {
-        let ring = std::iter::once(&self.outline)
-            .chain(&self.objects)
-            .min_by(|a, b| a.distance(point).total_cmp(&b.distance(point)))?;
-        let foot = ring.nearest(point)?;
-        let piece = ring.pieces[foot.piece];
-        let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
-        if foot.distance > 0.08 || from_corner < 0.04 {
-            return None;
-        }
-        let normal = crate::geometry::perp(piece.tangent(foot.t));
-        let incidence = (from - point).normalize().dot(&normal).abs();
-        (incidence > 0.5).then_some(Surface { at: foot.point, normal })
-    }
-
-    fn known_distance(&self, point: Point) -> (f64, Option<usize>) {
-        let mut best = (self.outline.distance(point), None);
-        for (index, ring) in self.objects.iter().enumerate() {
-            let distance = if ring.contains(point) { 0.0 } else { ring.distance(point) };
-            if distance < best.0 {
-                best = (distance, Some(index));
-            }
-        }
-        best
+    /// Writes the map as the survey now has it.
+    pub fn publish(&mut self, survey: &Survey, map: &mut RoomMap) {
+        self.chart.refresh(survey);
+        self.chart.publish(survey, map);
     }
 
     fn floor(&mut self, from: Point) -> &Floor {
-        let objects: Vec<&Ring> = self.objects.iter().collect();
-        self.floor.get_or_insert_with(|| Floor::new(&self.outline, &objects, &self.chassis, from))
+        let objects: Vec<&Ring> = self.chart.objects().collect();
+        let outline = self.chart.outline();
+        self.floor.get_or_insert_with(|| Floor::new(outline, &objects, &self.chassis, from))
     }
 
     /// The robot came to rest: the next motion; none when the tour is over.
     pub fn next(
         &mut self,
         tracker: &mut Tracker,
-        filter: &mut PoseFilter,
+        survey: &mut Survey,
         rest: &AtRest,
         map: &mut RoomMap,
         tell: &mut Vec<EventKind>,
@@ -183,6 +163,7 @@ impl Tour {
         for _ in 0..200 {
             match std::mem::replace(&mut self.doing, Doing::Choosing) {
                 Doing::Choosing => {
+                    self.follow_survey(survey, map);
                     let drive = self.choose(tracker, &rest, map, tell)?;
                     self.doing = Doing::Driving(Box::new(drive));
                     reason = None;
@@ -199,7 +180,7 @@ impl Tour {
                 }
                 Doing::Rounding { circuit, drive, id, tried_other } => {
                     let round = Round { circuit, drive, id, tried_other };
-                    if let Some(ask) = self.round(round, tracker, filter, &rest, map, tell) {
+                    if let Some(ask) = self.round(round, tracker, survey, &rest, map, tell) {
                         return Some(ask);
                     }
                     reason = None;
@@ -297,7 +278,7 @@ impl Tour {
                 if let Some(seen) =
                     self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied()
                 {
-                    match self.known_distance(seen.point) {
+                    match self.chart.distance(seen.point) {
                         (distance, None) if distance < KNOWN => tell.push(EventKind::NearBoundary),
                         (distance, Some(_)) if distance < KNOWN => {}
                         _ => {
@@ -312,7 +293,7 @@ impl Tour {
                 drive.bumps += 1;
                 let seen = self.wall.log().last().copied();
                 if let Some(seen) = seen
-                    && self.known_distance(seen.point).0 > KNOWN
+                    && self.chart.distance(seen.point).0 > KNOWN
                 {
                     return self.meet(drive, seen, 0.0, "bumper".to_owned(), map, tell);
                 }
@@ -481,13 +462,13 @@ impl Tour {
         &mut self,
         mut round: Round,
         tracker: &mut Tracker,
-        filter: &mut PoseFilter,
+        survey: &mut Survey,
         rest: &AtRest,
         map: &mut RoomMap,
         tell: &mut Vec<EventKind>,
     ) -> Option<Ask> {
         if self.is_at_boundary(&round.circuit) {
-            return self.left_open(round, Failure::WallLost, map, tell);
+            return self.left_open(round, Failure::WallLost, tracker, survey, map, tell);
         }
         match round.circuit.next(tracker, rest) {
             Leg::Go(ask) => {
@@ -495,26 +476,22 @@ impl Tour {
                 self.doing = Doing::Rounding { circuit, drive, id, tried_other };
                 Some(ask)
             }
-            Leg::Closed(closure, misclosure) if closure.is_extrinsic() => {
-                let adjustment = Adjustment::new(tracker.path(), &closure, &misclosure);
+            Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
+                let since = closure.from.time_us;
+                let adjustment = Adjustment::new(tracker.path(), &closure, &overlap, since);
                 let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let (outline, class) = object_outline(&contacts, true);
-                self.objects.push(outline.clone());
-                map.objects.push(MappedObject {
-                    id: round.id,
-                    class,
-                    outline,
-                    closed: true,
-                    contacts,
-                });
-                tell.push(EventKind::ObjectClosed { id: round.id });
                 tracker.correct(adjustment.pose(tracker.pose(), tracker.time_us()));
-                let _ = filter;
+                let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
+                self.record(object, tracker, survey, map);
+                tell.push(EventKind::ObjectClosed { id: round.id });
                 self.resume(round.drive);
                 None
             }
-            Leg::Closed(..) => self.left_open(round, Failure::LapEndless, map, tell),
-            Leg::Failed(why) => self.left_open(round, why, map, tell),
+            Leg::Closed(..) => {
+                self.left_open(round, Failure::LapEndless, tracker, survey, map, tell)
+            }
+            Leg::Failed(why) => self.left_open(round, why, tracker, survey, map, tell),
         }
     }
 
@@ -522,13 +499,16 @@ impl Tour {
     fn is_at_boundary(&self, circuit: &Circuit) -> bool {
         let log = circuit.wall.log();
         let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
-        recent.len() == 14 && recent.iter().all(|seen| self.outline.distance(seen.point) < KNOWN)
+        recent.len() == 14
+            && recent.iter().all(|seen| self.chart.outline().distance(seen.point) < KNOWN)
     }
 
     fn left_open(
         &mut self,
         round: Round,
         why: Failure,
+        tracker: &Tracker,
+        survey: &mut Survey,
         map: &mut RoomMap,
         tell: &mut Vec<EventKind>,
     ) -> Option<Ask> {
@@ -537,23 +517,44 @@ impl Tour {
             .wall
             .log()
             .iter()
-            .filter(|seen| seen.alive && self.outline.distance(seen.point) > KNOWN)
+            .filter(|seen| seen.alive && self.chart.outline().distance(seen.point) > KNOWN)
             .map(Sighting::contact)
             .collect();
         tell.push(EventKind::ObjectOpen { id: round.id, why });
         if contacts.len() >= 3 {
             let (outline, _) = object_outline(&contacts, false);
-            self.objects.push(outline.clone());
-            map.objects.push(MappedObject {
+            let object = MappedObject {
                 id: round.id,
                 class: ObjectClass::Open,
                 outline,
                 closed: false,
                 contacts,
-            });
+            };
+            self.record(object, tracker, survey, map);
         }
         self.resume(round.drive);
         None
+    }
+
+    /// Adds an object to map and chart; it hangs on the pose of now.
+    fn record(
+        &mut self,
+        object: MappedObject,
+        tracker: &Tracker,
+        survey: &mut Survey,
+        map: &mut RoomMap,
+    ) {
+        let tie = survey.mark(tracker.pose().position, tracker.time_us());
+        self.chart.add(&object, tie);
+        map.objects.push(object);
+    }
+
+    /// Lets floor and map follow what the survey has learnt, when it is enough to matter.
+    fn follow_survey(&mut self, survey: &Survey, map: &mut RoomMap) {
+        if self.chart.refresh(survey) > 5e-4 {
+            self.floor = None;
+            self.chart.publish(survey, map);
+        }
     }
 
     fn resume(&mut self, mut drive: Box<Drive>) {

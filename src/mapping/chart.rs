@@ -1,0 +1,193 @@
+//! The mapped surfaces, held so that the survey can move them.
+//!
+//! Walls and objects are fitted once, from contacts in the frame of that day. Later touches correct
+//! the survey, and with it every contact: the chart moves outlines and contacts along, and says
+//! which surface a new contact lies on and what that surface hangs on.
+
+use super::map::{Contact, MappedObject, RoomMap};
+use super::survey::{Surface, Survey, Tie};
+use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
+
+/// A contact this far from a surface is not of it, metres.
+const FARTHEST: f64 = 0.15;
+/// Nearer to the end of a piece than this its normal says nothing, metres.
+const CORNER: f64 = 0.04;
+
+/// One ring as it was fitted, what it hangs on, and where it is now.
+#[derive(Debug, Clone)]
+struct Charted {
+    nominal: Ring,
+    contacts: Vec<Contact>,
+    /// One tie for all of it (an object), or none: each contact has its own by its time.
+    tie: Option<Tie>,
+    shown: Ring,
+}
+
+/// The chart.
+#[derive(Debug, Clone)]
+pub struct Chart {
+    rings: Vec<Charted>,
+    lap_knots: usize,
+}
+
+impl Chart {
+    /// The chart of what `map` holds now: its boundary hangs on all knots of `survey`, its objects
+    /// on the knot nearest in time.
+    #[must_use]
+    pub fn new(map: &RoomMap, survey: &Survey) -> Self {
+        let lap_knots = survey.knots();
+        let outline = map.shape.as_ref().map(|shape| shape.outline.clone()).unwrap_or_default();
+        let boundary = Charted {
+            shown: outline.clone(),
+            nominal: outline,
+            contacts: map.contacts.clone(),
+            tie: None,
+        };
+        let mut chart = Self { rings: vec![boundary], lap_knots };
+        for object in &map.objects {
+            let begin = object.contacts.first().map_or(0, |c| micros(c.time));
+            chart.add(object, survey.tie(begin, lap_knots));
+        }
+        chart
+    }
+
+    /// Adds an object that hangs on `tie`.
+    pub fn add(&mut self, object: &MappedObject, tie: Tie) {
+        self.rings.push(Charted {
+            nominal: object.outline.clone(),
+            contacts: object.contacts.clone(),
+            tie: Some(tie),
+            shown: object.outline.clone(),
+        });
+    }
+
+    /// The wall line as believed now.
+    #[must_use]
+    pub fn outline(&self) -> &Ring {
+        &self.rings[0].shown
+    }
+
+    /// The objects as believed now, in the order of the map.
+    pub fn objects(&self) -> impl Iterator<Item = &Ring> {
+        self.rings[1..].iter().map(|charted| &charted.shown)
+    }
+
+    /// How far `point` is from the nearest mapped surface, and whose it is: none for the boundary,
+    /// else the object's place in the map. Inside an object the distance is 0.
+    #[must_use]
+    pub fn distance(&self, point: Point) -> (f64, Option<usize>) {
+        let mut best = (self.outline().distance(point), None);
+        for (index, ring) in self.objects().enumerate() {
+            let distance = if ring.contains(point) { 0.0 } else { ring.distance(point) };
+            if distance < best.0 {
+                best = (distance, Some(index));
+            }
+        }
+        best
+    }
+
+    /// The mapped surface on which a contact lies, away from corners and facing the robot at `from`.
+    #[must_use]
+    pub fn surface_at(&self, survey: &Survey, contact: Point, from: Point) -> Option<Surface> {
+        let charted = self
+            .rings
+            .iter()
+            .min_by(|a, b| a.shown.distance(contact).total_cmp(&b.shown.distance(contact)))?;
+        let foot = charted.shown.nearest(contact)?;
+        let piece = charted.shown.pieces[foot.piece];
+        let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
+        if foot.distance > FARTHEST || from_corner < CORNER {
+            return None;
+        }
+        let normal = perp(piece.tangent(foot.t));
+        let incidence = (from - contact).normalize().dot(&normal).abs();
+        if incidence < 0.5 {
+            return None;
+        }
+        let nominal = charted.nominal.pieces[foot.piece].at(foot.t);
+        let tie = self.tie(charted, survey, nominal);
+        Some(Surface { at: nominal + survey.displacement(nominal, &tie), normal, tie })
+    }
+
+    fn tie(&self, charted: &Charted, survey: &Survey, nominal: Point) -> Tie {
+        charted.tie.unwrap_or_else(|| {
+            let nearest = charted.contacts.iter().min_by(|a, b| {
+                (a.point - nominal).norm_squared().total_cmp(&(b.point - nominal).norm_squared())
+            });
+            survey.tie(nearest.map_or(0, |c| micros(c.time)), self.lap_knots)
+        })
+    }
+
+    /// Moves the rings to where the survey now believes them; returns the largest move of any
+    /// corner since the last time, metres.
+    pub fn refresh(&mut self, survey: &Survey) -> f64 {
+        let mut largest = 0.0_f64;
+        let moved: Vec<Ring> = self
+            .rings
+            .iter()
+            .map(|charted| {
+                deform(&charted.nominal, |p| survey.displacement(p, &self.tie(charted, survey, p)))
+            })
+            .collect();
+        for (charted, ring) in self.rings.iter_mut().zip(moved) {
+            for (old, new) in charted.shown.pieces.iter().zip(&ring.pieces) {
+                largest = largest.max((new.from() - old.from()).norm());
+            }
+            charted.shown = ring;
+        }
+        largest
+    }
+
+    /// Writes what is believed now into `map`: contacts, outline, objects.
+    pub fn publish(&self, survey: &Survey, map: &mut RoomMap) {
+        let placed = |charted: &Charted| -> Vec<Contact> {
+            charted
+                .contacts
+                .iter()
+                .map(|contact| {
+                    let own = || survey.tie(micros(contact.time), self.lap_knots);
+                    let tie = charted.tie.unwrap_or_else(own);
+                    Contact {
+                        point: contact.point + survey.displacement(contact.point, &tie),
+                        from: contact.from + survey.displacement(contact.from, &tie),
+                        ..*contact
+                    }
+                })
+                .collect()
+        };
+        map.contacts = placed(&self.rings[0]);
+        if let Some(shape) = &mut map.shape {
+            shape.outline = self.outline().clone();
+        }
+        for (object, charted) in map.objects.iter_mut().zip(&self.rings[1..]) {
+            object.contacts = placed(charted);
+            object.outline = charted.shown.clone();
+        }
+    }
+}
+
+fn micros(seconds: f64) -> u64 {
+    (seconds * 1e6).round() as u64
+}
+
+/// The same ring with its corners moved; an arc keeps its bulge, a full circle its radius.
+fn deform(ring: &Ring, displacement: impl Fn(Point) -> Vector) -> Ring {
+    if let [Piece::Arc { center, radius, start, sweep }] = ring.pieces[..] {
+        let around: Vec<Vector> = (0..4)
+            .map(|k| displacement(center + angle::unit(f64::from(k) * angle::PI / 2.0) * radius))
+            .collect();
+        let mean = around.iter().sum::<Vector>() / around.len() as f64;
+        return Ring { pieces: vec![Piece::Arc { center: center + mean, radius, start, sweep }] };
+    }
+    let corners: Vec<Point> =
+        ring.pieces.iter().map(|piece| piece.from() + displacement(piece.from())).collect();
+    let count = corners.len();
+    let pieces = ring.pieces.iter().enumerate().map(|(k, piece)| {
+        let (from, to) = (corners[k], corners[(k + 1) % count]);
+        match piece {
+            Piece::Line { .. } => Piece::Line { from, to },
+            Piece::Arc { sweep, .. } => Piece::with_bulge(from, to, angle::tan(sweep / 4.0)),
+        }
+    });
+    Ring { pieces: pieces.collect() }
+}

@@ -1,0 +1,346 @@
+//! What is believed of the errors of the whole survey: the robot's pose, the lap, the objects.
+//!
+//! A traverse of a room by wheels and gyro is off everywhere, and off together: where one wall is
+//! wrong its neighbours are wrong with it. This filter keeps the errors of the pose and of places
+//! along the way (knots) in one covariance. Driving makes the pose less certain; marking a knot
+//! copies its error; laying the end of a lap on its beginning ties the two; a touch of a mapped
+//! surface ties the pose to the knots that this surface was seen from, and corrects both. So every
+//! line that is driven across the room sharpens the walls at its ends, and drift does not grow.
+//!
+//! It is the extended Kalman filter for simultaneous localisation and mapping (Smith, Self,
+//! Cheeseman 1990) with past poses as landmarks (stochastic cloning, Roumeliotis and Burdick 2002),
+//! on small corrections to a nominal survey: linear but for the residuals.
+
+use crate::geometry::{Point, Pose, Vector, angle, perp};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
+const HEADING_WALK: f64 = 1.0e-3;
+/// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
+/// hour).
+const BIAS_SD: f64 = 1.5e-4;
+/// What the gyro's scale may be off by.
+const SCALE_SD: f64 = 2.0e-3;
+/// A contact about the surface it lies on, metres: jitter of the switch, fit of the wall.
+const CONTACT_SD: f64 = 0.005;
+/// How far from a surface a contact may lie and still be of it, in standard deviations and metres.
+const GATE: f64 = 3.5;
+const FARTHEST: f64 = 0.15;
+
+/// Rows of the pose, of the gyro's drift, and of its scale.
+const POSE: usize = 0;
+const BIAS: usize = 3;
+const SCALE: usize = 4;
+const FIRST_KNOT: usize = 5;
+
+/// A place of the survey whose error is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Knot {
+    /// Where it was believed to be when it was marked.
+    at: Point,
+    time_us: u64,
+}
+
+/// What a mapped point hangs on: one knot, or two with the second's share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tie {
+    first: usize,
+    second: usize,
+    share: f64,
+}
+
+/// Where a contact should lie: a point of the mapped surface, its unit normal to either side, and
+/// what that surface hangs on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// The mapped point nearest to the contact, as believed now.
+    pub at: Point,
+    /// Unit normal.
+    pub normal: Vector,
+    /// What it hangs on.
+    pub tie: Tie,
+}
+
+/// The filter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    knots: Vec<Knot>,
+    /// Corrections to the nominal survey: of the pose only what was not yet handed out.
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Default for Survey {
+    fn default() -> Self {
+        let mut covariance = DMatrix::zeros(FIRST_KNOT, FIRST_KNOT);
+        covariance[(BIAS, BIAS)] = BIAS_SD * BIAS_SD;
+        covariance[(SCALE, SCALE)] = SCALE_SD * SCALE_SD;
+        Self { knots: Vec::new(), mean: DVector::zeros(FIRST_KNOT), covariance }
+    }
+}
+
+impl Survey {
+    /// The robot went from `from` to `to` in `seconds`; the wheels' own error adds `wheel_sd` metres
+    /// per root metre.
+    pub fn predict(&mut self, from: Pose, to: Pose, seconds: f64, wheel_sd: f64) {
+        let moved = to.position - from.position;
+        let turned = angle::wrap(to.heading - from.heading);
+        let mut step = Matrix3::identity();
+        step[(0, 2)] = -moved.y;
+        step[(1, 2)] = moved.x;
+        // Drift over the step turns the heading, and half of it the way.
+        let lever = Vector3::new(-moved.y / 2.0, moved.x / 2.0, 1.0);
+        let (by_bias, by_scale) = (lever * seconds, lever * turned);
+        let size = self.mean.len();
+        for column in 0..size {
+            let old = Vector3::new(
+                self.covariance[(0, column)],
+                self.covariance[(1, column)],
+                self.covariance[(2, column)],
+            );
+            let new = step * old
+                + by_bias * self.covariance[(BIAS, column)]
+                + by_scale * self.covariance[(SCALE, column)];
+            for row in 0..3 {
+                self.covariance[(row, column)] = new[row];
+            }
+        }
+        for row in 0..size {
+            let old = Vector3::new(
+                self.covariance[(row, 0)],
+                self.covariance[(row, 1)],
+                self.covariance[(row, 2)],
+            );
+            let new = step * old
+                + by_bias * self.covariance[(row, BIAS)]
+                + by_scale * self.covariance[(row, SCALE)];
+            for column in 0..3 {
+                self.covariance[(row, column)] = new[column];
+            }
+        }
+        let pose = step * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
+            + by_bias * self.mean[BIAS]
+            + by_scale * self.mean[SCALE];
+        for row in 0..3 {
+            self.mean[row] = pose[row];
+        }
+        let along = wheel_sd * wheel_sd * moved.norm();
+        let walk = HEADING_WALK * HEADING_WALK * seconds;
+        self.covariance[(0, 0)] += along;
+        self.covariance[(1, 1)] += along;
+        self.covariance[(2, 2)] += walk;
+    }
+
+    /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
+    pub fn mark(&mut self, at: Point, time_us: u64) -> Tie {
+        let size = self.mean.len();
+        let mut covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
+        for k in 0..3 {
+            for other in 0..size {
+                let value = covariance[(k, other)];
+                covariance[(size + k, other)] = value;
+                covariance[(other, size + k)] = value;
+            }
+        }
+        for k in 0..3 {
+            for l in 0..3 {
+                covariance[(size + k, size + l)] = covariance[(k, l)];
+            }
+        }
+        self.covariance = covariance;
+        let pose = [self.mean[0], self.mean[1], self.mean[2]];
+        self.mean =
+            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
+        for (k, value) in pose.into_iter().enumerate() {
+            self.mean[size + k] = value;
+        }
+        self.knots.push(Knot { at, time_us });
+        let index = self.knots.len() - 1;
+        Tie { first: index, second: index, share: 0.0 }
+    }
+
+    /// What was seen at `time_us` on the lap hangs on the knots before and after; only the first
+    /// `count` knots are looked at.
+    #[must_use]
+    pub fn tie(&self, time_us: u64, count: usize) -> Tie {
+        let knots = &self.knots[..count.min(self.knots.len())];
+        let after = knots.partition_point(|knot| knot.time_us <= time_us);
+        let first = after.saturating_sub(1);
+        let second = after.min(knots.len().saturating_sub(1));
+        let (from, to) = (knots[first].time_us, knots[second].time_us);
+        let share = if to > from {
+            (time_us.saturating_sub(from) as f64 / (to - from) as f64).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        Tie { first, second, share }
+    }
+
+    /// Takes the corrections so far as the new nominal survey.
+    pub fn rebase(&mut self) {
+        for (index, knot) in self.knots.iter_mut().enumerate() {
+            let row = FIRST_KNOT + 3 * index;
+            knot.at += Vector::new(self.mean[row], self.mean[row + 1]);
+            for k in 0..3 {
+                self.mean[row + k] = 0.0;
+            }
+        }
+    }
+
+    /// How many knots there are.
+    #[must_use]
+    pub fn knots(&self) -> usize {
+        self.knots.len()
+    }
+
+    /// By how much what is tied by `tie` and was believed at `point` when its knots were marked is
+    /// now believed to be elsewhere.
+    #[must_use]
+    pub fn displacement(&self, point: Point, tie: &Tie) -> Vector {
+        let of = |index: usize| {
+            let row = FIRST_KNOT + 3 * index;
+            let arm = perp(point - self.knots[index].at);
+            Vector::new(self.mean[row], self.mean[row + 1]) + arm * self.mean[row + 2]
+        };
+        of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
+    }
+
+    /// The change of heading at a tie, radians.
+    #[must_use]
+    pub fn turn(&self, tie: &Tie) -> f64 {
+        let of = |index: usize| self.mean[FIRST_KNOT + 3 * index + 2];
+        of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
+    }
+
+    /// Rows of (x, y, heading) of what knot `late` is off from where knot `early` puts it.
+    fn relation(&self, early: &Tie, late: &Tie) -> [Vec<(usize, f64)>; 3] {
+        let (a, b) = (FIRST_KNOT + 3 * early.first, FIRST_KNOT + 3 * late.first);
+        let lever = perp(self.knots[late.first].at - self.knots[early.first].at);
+        [
+            vec![(b, 1.0), (a, -1.0), (a + 2, -lever.x)],
+            vec![(b + 1, 1.0), (a + 1, -1.0), (a + 2, -lever.y)],
+            vec![(b + 2, 1.0), (a + 2, -1.0)],
+        ]
+    }
+
+    /// Covariance of the error of knot `late` relative to knot `early`: x, y in metres, heading in
+    /// radians.
+    #[must_use]
+    pub fn relative(&self, early: &Tie, late: &Tie) -> Matrix3<f64> {
+        let rows = self.relation(early, late);
+        Matrix3::from_fn(|i, j| {
+            let terms = rows[i].iter().flat_map(|(k, v)| {
+                rows[j].iter().map(move |(l, w)| self.covariance[(*k, *l)] * v * w)
+            });
+            terms.sum()
+        })
+    }
+
+    /// Lays the pose at knot `late` on the place of knot `early`. By how much it is off was measured
+    /// with `normal` and `right`, the normal equations of (x, y, heading); directions that they say
+    /// nothing of stay as they are.
+    pub fn close(&mut self, early: &Tie, late: &Tie, normal: &Matrix3<f64>, right: &Vector3<f64>) {
+        let rows = self.relation(early, late);
+        let eigen = normal.symmetric_eigen();
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value < 1.0 {
+                continue;
+            }
+            let row: Vec<(usize, f64)> = rows
+                .iter()
+                .zip(vector.iter())
+                .flat_map(|(row, weight)| row.iter().map(move |(k, w)| (*k, w * weight)))
+                .collect();
+            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+            let measured = -vector.dot(right) / value;
+            self.update(&row, measured - predicted, 1.0 / value);
+        }
+    }
+
+    /// Takes a contact at `contact`, seen from `pose`, that should lie on `surface`; returns the
+    /// corrected pose, or none when it is too far off to be that surface.
+    pub fn touch(&mut self, pose: Pose, contact: Point, surface: &Surface) -> Option<Pose> {
+        let normal = surface.normal;
+        let arm = contact - pose.position;
+        let mut row =
+            vec![(POSE, normal.x), (POSE + 1, normal.y), (POSE + 2, normal.dot(&perp(arm)))];
+        let tie = surface.tie;
+        for (index, weight) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
+            let start = FIRST_KNOT + 3 * index;
+            let lever = normal.dot(&perp(surface.at - self.knots[index].at));
+            row.push((start, -weight * normal.x));
+            row.push((start + 1, -weight * normal.y));
+            row.push((start + 2, -weight * lever));
+        }
+        let off = normal.dot(&(contact - surface.at));
+        let spread = self.spread(&row) + CONTACT_SD * CONTACT_SD;
+        if off * off > GATE * GATE * spread || off.abs() > FARTHEST {
+            return None;
+        }
+        self.update(&row, -off, CONTACT_SD * CONTACT_SD);
+        Some(self.take_pose(pose))
+    }
+
+    /// Hands out the correction of the pose that has come together.
+    pub fn take_pose(&mut self, pose: Pose) -> Pose {
+        let change = Vector::new(self.mean[0], self.mean[1]);
+        let corrected = Pose {
+            position: pose.position + change,
+            heading: angle::wrap(pose.heading + self.mean[2]),
+        };
+        for row in 0..3 {
+            self.mean[row] = 0.0;
+        }
+        corrected
+    }
+
+    /// The gyro's drift, radians per second, beyond what was taken out before; hands it out.
+    pub fn take_bias(&mut self) -> f64 {
+        std::mem::replace(&mut self.mean[BIAS], 0.0)
+    }
+
+    fn spread(&self, row: &[(usize, f64)]) -> f64 {
+        row.iter()
+            .map(|(i, v)| row.iter().map(|(j, w)| self.covariance[(*i, *j)] * v * w).sum::<f64>())
+            .sum()
+    }
+
+    fn update(&mut self, row: &[(usize, f64)], innovation: f64, variance: f64) {
+        let size = self.mean.len();
+        let mut cross = DVector::zeros(size);
+        for &(index, weight) in row {
+            cross.axpy(weight, &self.covariance.column(index), 1.0);
+        }
+        let spread = row.iter().map(|(i, w)| cross[*i] * w).sum::<f64>() + variance;
+        self.mean.axpy(innovation / spread, &cross, 1.0);
+        // A rank-one downdate keeps the matrix symmetric to the last bit.
+        self.covariance.ger(-1.0 / spread, &cross, &cross, 1.0);
+    }
+
+    /// One standard deviation of the robot's position in its worse direction, metres.
+    #[must_use]
+    pub fn position_sd(&self) -> f64 {
+        self.worst(POSE)
+    }
+
+    /// One standard deviation of the position of what hangs on a tie, in its worse direction,
+    /// metres.
+    #[must_use]
+    pub fn sd_of(&self, tie: &Tie) -> f64 {
+        let of = |index: usize| self.worst(FIRST_KNOT + 3 * index);
+        of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
+    }
+
+    fn worst(&self, row: usize) -> f64 {
+        let c = |i: usize, j: usize| self.covariance[(row + i, row + j)];
+        let middle = f64::midpoint(c(0, 0), c(1, 1));
+        let spread = angle::hypot((c(0, 0) - c(1, 1)) / 2.0, c(0, 1));
+        (middle + spread).max(0.0).sqrt()
+    }
+
+    /// One standard deviation of the heading, radians.
+    #[must_use]
+    pub fn heading_sd(&self) -> f64 {
+        self.covariance[(POSE + 2, POSE + 2)].max(0.0).sqrt()
+    }
+}

@@ -16,6 +16,9 @@ use nalgebra::{Matrix3, Vector3};
 /// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
 const CONTACT_SD: f64 = 0.005;
 
+/// Distance of the starts in a direction that the overlap leaves open, metres.
+const OPEN_STEP: f64 = 0.04;
+
 /// What the overlap says of a lap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
@@ -72,6 +75,12 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
             best = other;
         }
     }
+    for start in laid.along_the_open(&best) {
+        let other = laid.closest(start);
+        if other.agreeing > best.agreeing + late.len() / 20 {
+            best = other;
+        }
+    }
     let Fit { found, agreeing, normal, right } = best;
     let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
     let spread = (normal + prior).try_inverse().unwrap_or_else(Matrix3::identity);
@@ -98,6 +107,24 @@ struct Laid<'a> {
 }
 
 impl Laid<'_> {
+    /// Starts to either side of a fit in the direction that it left open: a corner farther off than
+    /// the search for closest points reaches is found from one of them.
+    fn along_the_open(&self, fit: &Fit) -> Vec<Vector3<f64>> {
+        let Some(spread) = (fit.normal + self.prior).try_inverse() else { return Vec::new() };
+        let eigen = spread.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigen();
+        let worst = eigen.eigenvalues.imax();
+        let sd = eigen.eigenvalues[worst].max(0.0).sqrt();
+        let direction = eigen.eigenvectors.column(worst).into_owned();
+        let steps = (2.5 * sd / OPEN_STEP).min(12.0) as i32;
+        (-steps..=steps)
+            .filter(|k| *k != 0)
+            .map(|k| {
+                let by = direction * (f64::from(k) * OPEN_STEP);
+                fit.found + Vector3::new(by.x, by.y, 0.0)
+            })
+            .collect()
+    }
+
     /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
     /// many of them then agree.
     fn closest(&self, start: Vector3<f64>) -> Fit {

@@ -165,20 +165,28 @@ impl Laid<'_> {
     }
 }
 
+/// The straight stretch of early wall on which `point` lies: through its neighbours, as near as
+/// there are enough of them.
 fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
-    let near: Vec<Point> = walls.iter().copied().filter(|p| (p - point).norm() < 0.1).collect();
-    if near.len() < 4 {
-        return None;
-    }
-    let stretch = Stretch::through(&near)?;
-    let along = |p: Point| stretch.along.dot(&(p - stretch.at));
-    let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-        (low.min(along(p)), high.max(along(p)))
-    });
-    // Beyond what was seen the wall may do anything.
-    let within = (low - 0.015..=high + 0.015).contains(&along(point));
-    (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)
+    NEIGHBOURS.iter().find_map(|reach| {
+        let near: Vec<Point> =
+            walls.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
+        if near.len() < 4 {
+            return None;
+        }
+        let stretch = Stretch::through(&near)?;
+        let along = |p: Point| stretch.along.dot(&(p - stretch.at));
+        let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
+            (low.min(along(p)), high.max(along(p)))
+        });
+        // Beyond what was seen the wall may do anything.
+        let within = (low - 0.015..=high + 0.015).contains(&along(point));
+        (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)
+    })
 }
+
+/// How far around a contact its wall is looked for, metres: sparse on long straight walls.
+const NEIGHBOURS: [f64; 3] = [0.1, 0.25, 0.5];
 
 /// What the wheels add on a lap of many short moves, metres per root metre.
 const WHEEL_SD: f64 = 0.003;

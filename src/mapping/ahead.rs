@@ -41,6 +41,8 @@ pub struct Rolling {
 
 /// Two contacts farther apart than the disc is wide do not belong to one wall.
 const CHAIN: f64 = 0.29;
+/// The same for the wall that the robot has passed, which it followed without a break, metres.
+const BEHIND: f64 = 0.6;
 
 impl Rolling {
     /// The first direction, counted from the nearest contact away from the wall, in which a
@@ -55,7 +57,7 @@ impl Rolling {
         step: f64,
         ended: bool,
     ) -> Option<Direction> {
-        let Some(chain) = self.chain(contacts, pose.position) else {
+        let Some((chain, passed)) = self.chain(contacts, pose.position) else {
             return Some(Direction { heading: pose.heading, frontier: None });
         };
         let frontier = self.frontier(&chain, pose);
@@ -67,7 +69,7 @@ impl Rolling {
                     .map(|k| frontier.at + frontier.stretch.along * (f64::from(k) * 0.02)),
             );
         }
-        let toward = angle::of(chain[0] - pose.position);
+        let toward = angle::of(chain[passed] - pose.position);
         let heading = self
             .first_free(&obstacles, pose.position, toward, step, self.radius)
             .or_else(|| self.first_free(&obstacles, pose.position, toward, step, self.least))
@@ -99,8 +101,9 @@ impl Rolling {
         })
     }
 
-    /// The contacts in rolling order from the one nearest to the robot on; none without contacts.
-    fn chain(&self, contacts: &[Point], center: Point) -> Option<Vec<Point>> {
+    /// The contacts in rolling order from the one nearest to the robot on, and how many of the wall
+    /// behind come before that; none without contacts.
+    fn chain(&self, contacts: &[Point], center: Point) -> Option<(Vec<Point>, usize)> {
         let nearest = contacts
             .iter()
             .copied()
@@ -112,23 +115,33 @@ impl Rolling {
         let mut ahead: Vec<Point> =
             contacts.iter().copied().filter(|p| turned(p) < 4.0 && *p != nearest).collect();
         ahead.sort_by(|a, b| turned(a).total_cmp(&turned(b)));
+        let mut behind: Vec<Point> =
+            contacts.iter().copied().filter(|p| turned(p) >= 4.0 && *p != nearest).collect();
+        behind.sort_by(|a, b| turned(b).total_cmp(&turned(a)));
         let mut chain = vec![nearest];
+        for p in behind {
+            if chain.iter().rev().take(4).any(|q| (p - q).norm() < BEHIND) {
+                chain.push(p);
+            }
+        }
+        chain.reverse();
+        let passed = chain.len() - 1;
         for p in ahead {
             let joined = chain.iter().rev().take(4).any(|q| (p - q).norm() < CHAIN);
             if joined && (p - center).norm() < self.radius + 0.25 {
                 chain.push(p);
             }
         }
-        Some(chain)
+        Some((chain, passed))
     }
 
     fn frontier(&self, chain: &[Point], pose: Pose) -> Frontier {
         let at = chain[chain.len() - 1];
         let mut best: Option<(Stretch, f64)> = None;
-        for count in 2..=chain.len().min(12) {
+        for count in 2..=chain.len().min(16) {
             let points = &chain[chain.len() - count..];
             let spread = (points[0] - at).norm();
-            if spread > 0.3 {
+            if spread > 0.6 {
                 break;
             }
             if let Some(stretch) = Stretch::through(points)

@@ -131,7 +131,7 @@ pub struct Follower {
 }
 
 const SHORTEST_STRIDE: f64 = 0.09;
-const LONGEST_STRIDE: f64 = 0.30;
+const LONGEST_STRIDE: f64 = 0.50;
 const ROUND_CORNER: f64 = 0.05;
 /// Rolling round a corner never turns farther towards the wall than this at once, radians.
 const MOST_TOWARDS: f64 = 1.9;
@@ -270,7 +270,7 @@ impl Follower {
             if frontier.certain { frontier.stretch.distance(seen.point) } else { 1.0 }
         });
         self.stride = match surprise {
-            Some(off) if off < 0.004 => (self.stride * 1.5).min(LONGEST_STRIDE),
+            Some(off) if off < 0.008 => (self.stride * 1.8).min(LONGEST_STRIDE),
             _ => SHORTEST_STRIDE,
         };
     }

@@ -9,6 +9,7 @@ use super::circuit::Closure;
 use super::map::{Misclosure, PathPoint};
 use super::survey::{Survey, Tie};
 use super::wall::{Sighting, Stretch};
+use crate::geometry::fit::Moments;
 use crate::geometry::{Point, Pose, Vector, angle, cross, perp};
 use crate::mapping::map::ContactKind;
 use nalgebra::{Matrix3, Vector3};
@@ -174,17 +175,36 @@ fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
         if near.len() < 4 {
             return None;
         }
-        let stretch = Stretch::through(&near)?;
-        let along = |p: Point| stretch.along.dot(&(p - stretch.at));
-        let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-            (low.min(along(p)), high.max(along(p)))
-        });
+        let straight = Stretch::through(&near)?;
+        let local = if straight.residual < STRAIGHT { straight } else { bent(&near, point)? };
+        let along = |p: Point| local.along.dot(&(p - local.at));
+        let (low, high) =
+            near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
+                (low.min(along(p)), high.max(along(p)))
+            });
         // Beyond what was seen the wall may do anything.
         let within = (low - 0.015..=high + 0.015).contains(&along(point));
-        (within && stretch.residual < 0.003 && high - low > 0.05).then_some(stretch)
+        (within && high - low > 0.05).then_some(local)
     })
 }
 
+/// The tangent, nearest to `point`, of the circle through `near`; none when they lie on none.
+fn bent(near: &[Point], point: Point) -> Option<Stretch> {
+    let circle = Moments::of(near).circle()?;
+    let off = |p: &Point| (p - circle.center).norm() - circle.radius;
+    let count = near.len() as f64;
+    let residual = (near.iter().map(|p| off(p).powi(2)).sum::<f64>() / count).sqrt();
+    let outward = (point - circle.center).try_normalize(1e-9)?;
+    let on_circle = near.len() >= 5 && residual < STRAIGHT && circle.radius > 0.3;
+    on_circle.then(|| Stretch {
+        at: circle.center + outward * circle.radius,
+        along: perp(outward),
+        residual,
+    })
+}
+
+/// Contacts that lie this close about a line or circle are one wall, metres.
+const STRAIGHT: f64 = 0.003;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
 const NEIGHBOURS: [f64; 3] = [0.1, 0.25, 0.5];
 

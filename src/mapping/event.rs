@@ -127,6 +127,11 @@ pub enum EventKind {
         /// Its id.
         id: u32,
     },
+    /// What was gone round is on the map already: the pose was off.
+    ObjectKnown {
+        /// The number it would have had.
+        id: u32,
+    },
     /// An object could not be closed.
     ObjectOpen {
         /// Its id.
@@ -286,6 +291,9 @@ impl fmt::Display for EventKind {
             Self::LineEnded { id, reason } => write!(f, "line L{id} ended: {reason}"),
             Self::ObjectFound { id, by } => write!(f, "unknown object O{id} met ({by})"),
             Self::ObjectClosed { id } => write!(f, "object O{id} closed"),
+            Self::ObjectKnown { id } => {
+                write!(f, "object O{id} is one known already: the pose was put right by it")
+            }
             Self::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
@@ -314,6 +322,7 @@ impl EventKind {
             | Self::ContactLost
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }
+            | Self::ObjectKnown { .. }
             | Self::Bumped
             | Self::Odd { .. }
             | Self::Stopped => Severity::Warning,

@@ -261,7 +261,7 @@ impl Mission {
                 let travelled = self.tracker.travelled();
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
                 self.closed = self.closed.with(edge.sensor, edge.rising);
-                if let (Task::Tour(tour), Some(seen), false) = (&mut self.task, seen, turning)
+                if let (Task::Tour(tour), Some(seen)) = (&mut self.task, seen)
                     && let Some(fixed) = tour.fix(&mut self.survey, pose, &seen)
                 {
                     self.tracker.correct(fixed);

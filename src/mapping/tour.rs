@@ -15,7 +15,7 @@ use super::event::{EventKind, Failure};
 use super::floor::{Coverage, Floor};
 use super::follow::{Ask, AtRest, Side};
 use super::map::{
-    ContactKind, LineReason, LineStatus, MappedObject, ObjectClass, PlanLine, RoomMap,
+    Contact, ContactKind, LineReason, LineStatus, MappedObject, ObjectClass, PlanLine, RoomMap,
 };
 use super::odometry::Tracker;
 use super::search::lap_contacts;
@@ -28,8 +28,11 @@ use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use drive::{Drive, best_chord};
 use std::collections::VecDeque;
 
-/// A contact this near to something mapped belongs to it, metres.
-const KNOWN: f64 = 0.055;
+/// A contact this near to something mapped belongs to it, metres: nothing that stands so near to
+/// it could be gone round for itself.
+const KNOWN: f64 = 0.12;
+/// What was gone round is something known when this share of its contacts lies on that.
+const SAME: f64 = 0.6;
 /// The centre keeps this beyond the body's radius from everything on a way, metres.
 const ROOM: f64 = 0.03;
 /// A way point counts as reached within this, metres.
@@ -482,6 +485,18 @@ impl Tour {
                 let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let (outline, class) = object_outline(&contacts, true);
                 tracker.correct(adjustment.pose(tracker.pose(), tracker.time_us()));
+                if self.is_known(&contacts) {
+                    // The pose was off, or it would not have been met as something new.
+                    for contact in &contacts {
+                        let surface = self.chart.surface_at(survey, contact.point, contact.from);
+                        let fixed =
+                            surface.and_then(|s| survey.touch(tracker.pose(), contact.point, &s));
+                        fixed.into_iter().for_each(|pose| tracker.correct(pose));
+                    }
+                    tell.push(EventKind::ObjectKnown { id: round.id });
+                    self.resume(round.drive);
+                    return None;
+                }
                 let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
                 self.record(object, tracker, survey, map);
                 tell.push(EventKind::ObjectClosed { id: round.id });
@@ -493,6 +508,14 @@ impl Tour {
             }
             Leg::Failed(why) => self.left_open(round, why, tracker, survey, map, tell),
         }
+    }
+
+    /// Whether what was gone round is on the map already.
+    fn is_known(&self, contacts: &[Contact]) -> bool {
+        let on_map = contacts
+            .iter()
+            .filter(|c| self.chart.objects().any(|ring| ring.distance(c.point) < KNOWN));
+        on_map.count() as f64 > SAME * contacts.len() as f64
     }
 
     /// Whether the round has run on to the boundary: there is no passage between.

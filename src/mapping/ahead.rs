@@ -41,7 +41,10 @@ pub struct Rolling {
 
 /// Two contacts farther apart than the disc is wide do not belong to one wall.
 const CHAIN: f64 = 0.29;
-/// The same for the wall that the robot has passed, which it followed without a break, metres.
+/// A stretch is straight when no contact of it lies farther from its line, metres: the one contact
+/// beyond a corner must not be taken for more of the wall before.
+const STRAIGHT: f64 = 0.004;
+/// Two contacts nearer than this belong to the wall that the robot has passed, which it followed without a break, metres.
 const BEHIND: f64 = 0.6;
 
 impl Rolling {
@@ -146,7 +149,9 @@ impl Rolling {
             }
             if let Some(stretch) = Stretch::through(points)
                 && spread > 0.008
-                && stretch.residual < 0.003
+                // Two contacts are always straight; far apart they may be of two walls.
+                && (count > 2 || spread < 0.1)
+                && points.iter().all(|p| stretch.distance(*p) < STRAIGHT)
                 && best.is_none_or(|(_, widest)| spread > widest)
             {
                 best = Some((stretch, spread));

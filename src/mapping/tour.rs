@@ -39,6 +39,8 @@ const ROOM: f64 = 0.03;
 const REACHED: f64 = 0.008;
 /// Bumps on one line before it is given up.
 const MOST_BUMPS: u32 = 3;
+/// The disc is brought this far below α, since the pose is never quite known, metres.
+const PROMISE_MARGIN: f64 = 0.03;
 /// Extra lines at most, so that a tour always ends.
 const MOST_EXTRA: usize = 60;
 
@@ -228,7 +230,7 @@ impl Tour {
             self.coverage.push(point.pose.position);
         }
         self.covered = path.len();
-        let target = self.alpha - 0.012;
+        let target = self.alpha - PROMISE_MARGIN;
         let clearance = self.chassis.radius + ROOM;
         let coverage = self.coverage.clone();
         let given_up = self.given_up.clone();

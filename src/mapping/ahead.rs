@@ -41,11 +41,11 @@ pub struct Rolling {
 
 /// Two contacts farther apart than the disc is wide do not belong to one wall.
 const CHAIN: f64 = 0.29;
-/// A stretch is straight when no contact of it lies farther from its line, metres: the one contact
+/// A run is straight when no contact of it lies farther from its line, metres: the one contact
 /// beyond a corner must not be taken for more of the wall before.
 const STRAIGHT: f64 = 0.004;
-/// Two contacts nearer than this belong to the wall that the robot has passed, which it followed without a break, metres.
-const BEHIND: f64 = 0.6;
+/// No run is longer, metres.
+const LONGEST_RUN: f64 = 0.6;
 
 impl Rolling {
     /// The first direction, counted from the nearest contact away from the wall, in which a
@@ -60,10 +60,10 @@ impl Rolling {
         step: f64,
         ended: bool,
     ) -> Option<Direction> {
-        let Some((chain, passed)) = self.chain(contacts, pose.position) else {
+        let Some(chain) = self.chain(contacts, pose.position) else {
             return Some(Direction { heading: pose.heading, frontier: None });
         };
-        let frontier = self.frontier(&chain, pose);
+        let frontier = self.frontier(contacts, chain[chain.len() - 1], pose);
         let mut obstacles = contacts.to_vec();
         if !ended {
             let ahead = (step + self.radius).min(frontier.extent) / 0.02;
@@ -72,7 +72,7 @@ impl Rolling {
                     .map(|k| frontier.at + frontier.stretch.along * (f64::from(k) * 0.02)),
             );
         }
-        let toward = angle::of(chain[passed] - pose.position);
+        let toward = angle::of(chain[0] - pose.position);
         let heading = self
             .first_free(&obstacles, pose.position, toward, step, self.radius)
             .or_else(|| self.first_free(&obstacles, pose.position, toward, step, self.least))
@@ -104,9 +104,8 @@ impl Rolling {
         })
     }
 
-    /// The contacts in rolling order from the one nearest to the robot on, and how many of the wall
-    /// behind come before that; none without contacts.
-    fn chain(&self, contacts: &[Point], center: Point) -> Option<(Vec<Point>, usize)> {
+    /// The contacts in rolling order from the one nearest to the robot on; none without contacts.
+    fn chain(&self, contacts: &[Point], center: Point) -> Option<Vec<Point>> {
         let nearest = contacts
             .iter()
             .copied()
@@ -118,40 +117,38 @@ impl Rolling {
         let mut ahead: Vec<Point> =
             contacts.iter().copied().filter(|p| turned(p) < 4.0 && *p != nearest).collect();
         ahead.sort_by(|a, b| turned(a).total_cmp(&turned(b)));
-        let mut behind: Vec<Point> =
-            contacts.iter().copied().filter(|p| turned(p) >= 4.0 && *p != nearest).collect();
-        behind.sort_by(|a, b| turned(b).total_cmp(&turned(a)));
         let mut chain = vec![nearest];
-        for p in behind {
-            if chain.iter().rev().take(4).any(|q| (p - q).norm() < BEHIND) {
-                chain.push(p);
-            }
-        }
-        chain.reverse();
-        let passed = chain.len() - 1;
         for p in ahead {
             let joined = chain.iter().rev().take(4).any(|q| (p - q).norm() < CHAIN);
             if joined && (p - center).norm() < self.radius + 0.25 {
                 chain.push(p);
             }
         }
-        Some((chain, passed))
+        Some(chain)
     }
 
-    fn frontier(&self, chain: &[Point], pose: Pose) -> Frontier {
-        let at = chain[chain.len() - 1];
+    /// How the wall runs at its last contact `at`: the longest straight run of the contacts that
+    /// came before it, newest first. In the order of time a wall is one run, whatever stands behind.
+    fn frontier(&self, contacts: &[Point], at: Point, pose: Pose) -> Frontier {
+        let newest = contacts.iter().rposition(|p| *p == at).unwrap_or(0);
+        let mut run = vec![at];
         let mut best: Option<(Stretch, f64)> = None;
-        for count in 2..=chain.len().min(16) {
-            let points = &chain[chain.len() - count..];
-            let spread = (points[0] - at).norm();
-            if spread > 0.6 {
-                break;
-            }
-            if let Some(stretch) = Stretch::through(points)
+        let mut strays = 0;
+        for &p in contacts[..newest].iter().rev() {
+            let spread = (p - at).norm();
+            run.push(p);
+            let straight = Stretch::through(&run)
+                .filter(|s| run.len() < 3 || run.iter().all(|p| s.distance(*p) < STRAIGHT));
+            if straight.is_none() || spread > LONGEST_RUN {
+                run.pop();
+                strays += 1;
+                if strays > 2 {
+                    break;
+                }
+            } else if let Some(stretch) = straight
                 && spread > 0.008
                 // Two contacts are always straight; far apart they may be of two walls.
-                && (count > 2 || spread < 0.1)
-                && points.iter().all(|p| stretch.distance(*p) < STRAIGHT)
+                && (run.len() > 2 || spread < 0.1)
                 && best.is_none_or(|(_, widest)| spread > widest)
             {
                 best = Some((stretch, spread));

@@ -26,7 +26,8 @@ pub struct Overlap {
     /// How far odometry is off.
     pub misclosure: Misclosure,
     /// Share of the overlap's contacts that fall on walls seen at the beginning once the
-    /// misclosure is taken out, 0 to 1. Low when this is another place that only looks near.
+    /// misclosure is taken out, 0 to 1, of those (at least half of all) beside which walls were
+    /// seen. Low when this is another place that only looks near.
     pub agreement: f64,
     /// What the overlap alone says: normal matrix and right-hand side of (dx, dy, heading).
     normal: Matrix3<f64>,
@@ -82,12 +83,13 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
             best = other;
         }
     }
-    let Fit { found, agreeing, normal, right } = best;
+    let Fit { found, agreeing, known, normal, right } = best;
     let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
     let spread = (normal + prior).try_inverse().unwrap_or_else(Matrix3::identity);
     let position = spread.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
     let sd = (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt());
-    let agreement = agreeing as f64 / late.len().max(1) as f64;
+    let judged = known.max(late.len().div_ceil(2)).max(1);
+    let agreement = agreeing as f64 / judged as f64;
     Overlap { misclosure, agreement, normal, right, sd }
 }
 
@@ -95,6 +97,8 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
 struct Fit {
     found: Vector3<f64>,
     agreeing: usize,
+    /// Contacts beside which there was something to lie on.
+    known: usize,
     normal: Matrix3<f64>,
     right: Vector3<f64>,
 }
@@ -129,11 +133,17 @@ impl Laid<'_> {
     /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
     /// many of them then agree.
     fn closest(&self, start: Vector3<f64>) -> Fit {
-        let mut fit =
-            Fit { found: start, agreeing: 0, normal: Matrix3::zeros(), right: Vector3::zeros() };
+        let mut fit = Fit {
+            found: start,
+            agreeing: 0,
+            known: 0,
+            normal: Matrix3::zeros(),
+            right: Vector3::zeros(),
+        };
         for _ in 0..15 {
             let found = fit.found;
-            let (mut normal, mut right, mut agreeing) = (Matrix3::zeros(), Vector3::zeros(), 0);
+            let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+            let (mut agreeing, mut known) = (0, 0);
             for &point in self.late {
                 let arm = rotate(point - self.centre, -found.z);
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
@@ -141,8 +151,10 @@ impl Laid<'_> {
                 let Some(wall) = stretch_beside(self.early, placed) else {
                     // Ragged wall has no stretch to lie on; a contact where one was agrees too.
                     agreeing += usize::from(beside);
+                    known += usize::from(beside);
                     continue;
                 };
+                known += 1;
                 let across = perp(wall.along);
                 let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
                 let off = across.dot(&(placed - wall.at));
@@ -152,7 +164,8 @@ impl Laid<'_> {
                 normal += row * row.transpose() * weight;
                 right += row * ((off + row.dot(&found)) * weight);
             }
-            (fit.normal, fit.right, fit.agreeing) = (normal, right, agreeing);
+            (fit.normal, fit.right) = (normal, right);
+            (fit.agreeing, fit.known) = (agreeing, known);
             let Some(solution) = (normal + self.prior).lu().solve(&right) else {
                 break;
             };

@@ -39,6 +39,8 @@ const ROOM: f64 = 0.03;
 const REACHED: f64 = 0.008;
 /// Bumps on one line before it is given up.
 const MOST_BUMPS: u32 = 3;
+/// A line on which so many rounds stayed open is given up.
+const MOST_LEFT_OPEN: u32 = 2;
 /// The disc is brought this far below α, since the pose is never quite known, metres.
 const PROMISE_MARGIN: f64 = 0.03;
 /// Extra lines at most, so that a tour always ends.
@@ -557,7 +559,16 @@ impl Tour {
             };
             self.record(object, tracker, survey, map);
         }
-        self.resume(round.drive);
+        let mut drive = round.drive;
+        drive.left_open += 1;
+        if drive.left_open >= MOST_LEFT_OPEN {
+            let why = Some(LineReason::ObjectOnLine);
+            self.end_line(&drive, LineStatus::Blocked, why, map, tell);
+            self.floor = None;
+            self.wall.clear();
+        } else {
+            self.resume(drive);
+        }
         None
     }
 

@@ -18,6 +18,8 @@ pub(super) struct Drive {
     /// Where the piece in hand ends, metres along.
     pub(super) piece_end: f64,
     pub(super) bumps: u32,
+    /// Rounds on this line that could not be closed.
+    pub(super) left_open: u32,
     pub(super) skipped: bool,
     pub(super) way: VecDeque<Point>,
     /// The same line again from the other end: an object was met (two-pass contour).
@@ -34,6 +36,7 @@ impl Drive {
             on_line: false,
             piece_end: 0.0,
             bumps: 0,
+            left_open: 0,
             skipped: false,
             way: VecDeque::new(),
             again: false,

@@ -10,6 +10,8 @@ use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
 
 /// A contact this far from a surface is not of it, metres.
 const FARTHEST: f64 = 0.15;
+/// Contacts this near to a place tell how ragged its surface is, metres.
+const NEIGHBOURHOOD: f64 = 0.12;
 /// Nearer to the end of a piece than this its normal says nothing, metres.
 const CORNER: f64 = 0.04;
 
@@ -21,6 +23,17 @@ struct Charted {
     /// One tie for all of it (an object), or none: each contact has its own by its time.
     tie: Option<Tie>,
     shown: Ring,
+}
+
+impl Charted {
+    /// Root mean square distance of the contacts near `nominal` from the ring, metres.
+    fn raggedness(&self, nominal: Point) -> f64 {
+        let near = self.contacts.iter().filter(|c| (c.point - nominal).norm() < NEIGHBOURHOOD);
+        let (sum, count) = near.fold((0.0, 0.0), |(sum, count), c| {
+            (sum + self.nominal.distance(c.point).powi(2), count + 1.0)
+        });
+        if count > 0.0 { f64::sqrt(sum / count) } else { NEIGHBOURHOOD / 4.0 }
+    }
 }
 
 /// The chart.
@@ -106,7 +119,8 @@ impl Chart {
         }
         let nominal = charted.nominal.pieces[foot.piece].at(foot.t);
         let tie = self.tie(charted, survey, nominal);
-        Some(Surface { at: nominal + survey.displacement(nominal, &tie), normal, tie })
+        let at = nominal + survey.displacement(nominal, &tie);
+        Some(Surface { at, normal, tie, sd: charted.raggedness(nominal) })
     }
 
     fn tie(&self, charted: &Charted, survey: &Survey, nominal: Point) -> Tie {

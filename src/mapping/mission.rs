@@ -477,10 +477,14 @@ impl Mission {
         }
     }
 
-    /// Fits the outline once more, to contacts that all the touches of the tour have put right.
+    /// Fits the outline once more, to contacts that all the touches of the tour have put right. What
+    /// that makes more ragged than it was is left as it was, only moved.
     fn refine(&mut self) {
         let reach = self.settings.chassis.reach();
-        if let Ok(outline) = shape::outline(&self.map.contacts, reach) {
+        let pieces = self.map.shape.as_ref().map_or(0, |shape| shape.outline.pieces.len());
+        if let Ok(outline) = shape::outline(&self.map.contacts, reach)
+            && outline.pieces.len() <= pieces
+        {
             self.map.shape = Some(shape::identify(outline, &self.map.contacts));
         }
     }

@@ -59,6 +59,8 @@ pub struct Surface {
     pub normal: Vector,
     /// What it hangs on.
     pub tie: Tie,
+    /// Standard deviation of the mapped contacts about it, metres: large where it is ragged.
+    pub sd: f64,
 }
 
 /// The filter.
@@ -273,11 +275,12 @@ impl Survey {
             row.push((start + 2, -weight * lever));
         }
         let off = normal.dot(&(contact - surface.at));
-        let spread = self.spread(&row) + CONTACT_SD * CONTACT_SD;
+        let variance = CONTACT_SD.max(surface.sd).powi(2);
+        let spread = self.spread(&row) + variance;
         if off * off > GATE * GATE * spread || off.abs() > FARTHEST {
             return None;
         }
-        self.update(&row, -off, CONTACT_SD * CONTACT_SD);
+        self.update(&row, -off, variance);
         Some(self.take_pose(pose))
     }
 

@@ -41,41 +41,11 @@ pub struct Rolling {
 
 /// Two contacts farther apart than the disc is wide do not belong to one wall.
 const CHAIN: f64 = 0.29;
-/// A chain is looked at over this much, metres.
-const LONGEST_CHAIN: f64 = 0.3;
-/// A contact lies on a line when it is no farther from it, metres.
+/// A run is straight when no contact of it lies farther from its line, metres: the one contact
+/// beyond a corner must not be taken for more of the wall before.
 const STRAIGHT: f64 = 0.004;
-/// A direction is not read off contacts nearer than this, metres.
-const LEAST_SPREAD: f64 = 0.008;
-/// So many contacts on one line are a wall: two always are on one, three may be by chance.
-const SURE: usize = 4;
-/// What lies farther back says nothing of how the wall runs here, metres.
+/// No run is longer, metres.
 const LONGEST_RUN: f64 = 0.6;
-/// A wall of which so much was not seen in one piece may be two, metres.
-const LONGEST_GAP: f64 = 0.45;
-
-/// The contacts on the line from `at` through `p`, nearest to `at` first, without a long gap.
-fn run(contacts: &[Point], at: Point, p: Point) -> Vec<Point> {
-    let Some(along) = (p - at).try_normalize(1e-9) else { return vec![at] };
-    let mut on_line: Vec<(f64, Point)> = contacts
-        .iter()
-        .map(|q| (along.dot(&(q - at)), *q))
-        .filter(|(far, q)| {
-            (0.0..LONGEST_RUN).contains(far) && cross(along, q - at).abs() < STRAIGHT
-        })
-        .collect();
-    on_line.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut seen = 0.0;
-    on_line
-        .into_iter()
-        .take_while(|(far, _)| {
-            let joined = far - seen < LONGEST_GAP;
-            seen = *far;
-            joined
-        })
-        .map(|(_, q)| q)
-        .collect()
-}
 
 impl Rolling {
     /// The first direction, counted from the nearest contact away from the wall, in which a
@@ -93,7 +63,7 @@ impl Rolling {
         let Some(chain) = self.chain(contacts, pose.position) else {
             return Some(Direction { heading: pose.heading, frontier: None });
         };
-        let frontier = self.frontier(contacts, &chain, pose);
+        let frontier = self.frontier(contacts, chain[chain.len() - 1], pose);
         let mut obstacles = contacts.to_vec();
         if !ended {
             let ahead = (step + self.radius).min(frontier.extent) / 0.02;
@@ -157,35 +127,33 @@ impl Rolling {
         Some(chain)
     }
 
-    /// How the wall runs at the last contact of `chain`: as the chain does, or, when the chain is
-    /// that contact alone, as the wall already passed does if it leads straight to it.
-    fn frontier(&self, contacts: &[Point], chain: &[Point], pose: Pose) -> Frontier {
-        let at = chain[chain.len() - 1];
+    /// How the wall runs at its last contact `at`: the longest straight run of the contacts that
+    /// came before it, newest first. In the order of time a wall is one run, whatever stands behind.
+    fn frontier(&self, contacts: &[Point], at: Point, pose: Pose) -> Frontier {
+        let newest = contacts.iter().rposition(|p| *p == at).unwrap_or(0);
+        let mut run = vec![at];
         let mut best: Option<(Stretch, f64)> = None;
-        for count in 2..=chain.len().min(12) {
-            let points = &chain[chain.len() - count..];
-            let spread = (points[0] - at).norm();
-            if spread > LONGEST_CHAIN {
-                break;
-            }
-            if let Some(stretch) = Stretch::through(points)
-                && spread > LEAST_SPREAD
-                && stretch.residual < 0.003
+        let mut strays = 0;
+        for &p in contacts[..newest].iter().rev() {
+            let spread = (p - at).norm();
+            run.push(p);
+            let straight = Stretch::through(&run)
+                .filter(|s| run.len() < 3 || run.iter().all(|p| s.distance(*p) < STRAIGHT));
+            if straight.is_none() || spread > LONGEST_RUN {
+                run.pop();
+                strays += 1;
+                if strays > 2 {
+                    break;
+                }
+            } else if let Some(stretch) = straight
+                && spread > 0.008
+                // Two contacts are always straight; far apart they may be of two walls.
+                && (run.len() > 2 || spread < 0.1)
                 && best.is_none_or(|(_, widest)| spread > widest)
             {
                 best = Some((stretch, spread));
             }
         }
-        let best = best.or_else(|| {
-            let run = contacts
-                .iter()
-                .filter(|p| (LEAST_SPREAD..LONGEST_RUN).contains(&(*p - at).norm()))
-                .map(|p| run(contacts, at, *p))
-                .max_by_key(Vec::len)
-                .filter(|run| run.len() >= SURE)?;
-            let spread = run.last().map_or(0.0, |p| (p - at).norm());
-            Stretch::through(&run).map(|stretch| (stretch, spread))
-        });
         let away = at - pose.position;
         let level: Vector = crate::geometry::perp(away) * -self.side.sign();
         let (stretch, certain, extent) = if let Some((stretch, spread)) = best {

@@ -70,7 +70,7 @@ pub enum Leg {
     /// Another motion.
     Go(Ask),
     /// The lap closed, and some of it was driven again for the misclosure.
-    Closed(Closure, Overlap),
+    Closed(Closure, Box<Overlap>),
     /// It cannot go on.
     Failed(Failure),
 }
@@ -148,7 +148,7 @@ impl Circuit {
                 // It only looked near: this is another place, and the lap goes on.
                 self.closure = None;
             } else if enough || driven > MOST_OVERLAP.min(0.3 * closure.length()) {
-                return Leg::Closed(closure, overlap);
+                return Leg::Closed(closure, Box::new(overlap));
             } else {
                 self.overlap = driven + 0.2;
             }

@@ -127,6 +127,11 @@ pub enum EventKind {
         /// Its id.
         id: u32,
     },
+    /// One side of an object was passed; the other follows on the way back (two-pass contour).
+    ObjectHalf {
+        /// The number it will have.
+        id: u32,
+    },
     /// What was gone round is on the map already: the pose was off.
     ObjectKnown {
         /// The number it would have had.
@@ -291,6 +296,9 @@ impl fmt::Display for EventKind {
             Self::LineEnded { id, reason } => write!(f, "line L{id} ended: {reason}"),
             Self::ObjectFound { id, by } => write!(f, "unknown object O{id} met ({by})"),
             Self::ObjectClosed { id } => write!(f, "object O{id} closed"),
+            Self::ObjectHalf { id } => {
+                write!(f, "object O{id} passed on one side; the other follows on the way back")
+            }
             Self::ObjectKnown { id } => {
                 write!(f, "object O{id} is one known already: the pose was put right by it")
             }

@@ -42,7 +42,7 @@ pub enum Next {
     /// A motion.
     Go(Ask),
     /// The boundary is found: this lap, with its misclosure.
-    Found(Closure, Overlap),
+    Found(Closure, Box<Overlap>),
     /// It was not.
     Failed(Failure),
 }

@@ -7,25 +7,23 @@
 //! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps.
 
 mod drive;
+mod rounds;
 
-use super::adjust::Adjustment;
 use super::chart::Chart;
-use super::circuit::{Circuit, Leg};
-use super::event::{EventKind, Failure};
+use super::circuit::Circuit;
+use super::event::EventKind;
 use super::floor::{Coverage, Floor};
-use super::follow::{Ask, AtRest, Side};
-use super::map::{
-    Contact, ContactKind, LineReason, LineStatus, MappedObject, ObjectClass, PlanLine, RoomMap,
-};
+use super::follow::{Ask, AtRest};
+use super::map::{ContactKind, LineReason, LineStatus, PlanLine, RoomMap};
 use super::odometry::Tracker;
-use super::search::lap_contacts;
+use super::passing::Passing;
 use super::settings::{Contour, Settings};
-use super::shape::object_outline;
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use drive::{Drive, best_chord};
+use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 
 /// A contact this near to something mapped belongs to it, metres: nothing that stands so near to
@@ -51,7 +49,8 @@ enum Doing {
     Choosing,
     Driving(Box<Drive>),
     BackingOff(Box<Drive>),
-    Rounding { circuit: Box<Circuit>, drive: Box<Drive>, id: u32, tried_other: bool },
+    Rounding { circuit: Box<Circuit>, drive: Box<Drive>, id: u32 },
+    Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
 }
 
 /// The tour of the plan.
@@ -70,6 +69,8 @@ pub struct Tour {
     covered: usize,
     coverage: Coverage,
     given_up: Vec<Point>,
+    /// Lines on which an object was passed on one side only.
+    halves: Vec<(u32, Half)>,
     extra: usize,
     begun: bool,
 }
@@ -99,6 +100,7 @@ impl Tour {
             covered: 0,
             coverage: Coverage::new(),
             given_up: Vec::new(),
+            halves: Vec::new(),
             extra: 0,
             begun: false,
         }
@@ -121,6 +123,7 @@ impl Tour {
     pub fn wall(&self) -> &Wall {
         match &self.doing {
             Doing::Rounding { circuit, .. } => &circuit.wall,
+            Doing::Passing { passing, .. } => &passing.wall,
             _ => &self.wall,
         }
     }
@@ -129,6 +132,7 @@ impl Tour {
     pub fn wall_mut(&mut self) -> &mut Wall {
         match &mut self.doing {
             Doing::Rounding { circuit, .. } => &mut circuit.wall,
+            Doing::Passing { passing, .. } => &mut passing.wall,
             _ => &mut self.wall,
         }
     }
@@ -136,7 +140,9 @@ impl Tour {
     /// The pose corrected by a contact with something mapped; none when it is nothing mapped.
     pub fn fix(&mut self, survey: &mut Survey, pose: Pose, seen: &Sighting) -> Option<Pose> {
         // What is being gone round has a misclosure of its own, measured at its end.
-        if seen.kind != ContactKind::Range || matches!(self.doing, Doing::Rounding { .. }) {
+        if seen.kind != ContactKind::Range
+            || matches!(self.doing, Doing::Rounding { .. } | Doing::Passing { .. })
+        {
             return None;
         }
         let surface = self.chart.surface_at(survey, seen.point, seen.pose.position)?;
@@ -185,9 +191,16 @@ impl Tour {
                         return Some(ask);
                     }
                 }
-                Doing::Rounding { circuit, drive, id, tried_other } => {
-                    let round = Round { circuit, drive, id, tried_other };
+                Doing::Rounding { circuit, drive, id } => {
+                    let round = Round { circuit, drive, id };
                     if let Some(ask) = self.round(round, tracker, survey, &rest, map, tell) {
+                        return Some(ask);
+                    }
+                    reason = None;
+                }
+                Doing::Passing { passing, drive, half } => {
+                    let pass = Pass { passing, drive, half };
+                    if let Some(ask) = self.pass(pass, tracker, survey, &rest, map, tell) {
                         return Some(ask);
                     }
                     reason = None;
@@ -214,7 +227,7 @@ impl Tour {
             let (from, to) = if backwards { (b, a) } else { (a, b) };
             line.status = LineStatus::Driving;
             tell.push(EventKind::LineBegan { id, backwards });
-            return Some(Drive::new(id, from, to));
+            return Some(Drive { backwards, ..Drive::new(id, from, to) });
         }
         self.extra_line(tracker, rest, map, tell)
     }
@@ -291,7 +304,7 @@ impl Tour {
                         _ => {
                             let name = self.chassis.sensors[sensor].name.clone();
                             let bearing = self.chassis.sensors[sensor].angle;
-                            return self.meet(drive, seen, bearing, name, map, tell);
+                            return self.meet(drive, seen, bearing, name, tracker, map, tell);
                         }
                     }
                 }
@@ -302,7 +315,7 @@ impl Tour {
                 if let Some(seen) = seen
                     && self.chart.distance(seen.point).0 > KNOWN
                 {
-                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), map, tell);
+                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), tracker, map, tell);
                 }
                 if drive.bumps >= MOST_BUMPS {
                     self.end_line(
@@ -338,7 +351,6 @@ impl Tour {
             }
             return None;
         }
-        let _ = tracker;
         self.towards(drive, rest)
     }
 
@@ -437,177 +449,12 @@ impl Tour {
             None => EventKind::LineDriven { id: drive.id },
             Some(reason) => EventKind::LineEnded { id: drive.id, reason },
         });
-        if self.contour == Contour::TwoPass && drive.again {
-            self.queue.push_front((drive.id, true));
+        if drive.again {
+            // Two-pass contour: the same line the other way, with the object on the same hand.
+            self.queue.push_front((drive.id, !drive.backwards));
         }
         self.doing = Doing::Choosing;
     }
-
-    /// Something unknown: goes round it.
-    fn meet(
-        &mut self,
-        mut drive: Box<Drive>,
-        seen: Sighting,
-        bearing: f64,
-        by: String,
-        map: &RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
-        let id = map.objects.len() as u32 + 1;
-        tell.push(EventKind::ObjectFound { id, by });
-        // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
-        let side = if bearing > 0.1 { Side::Left } else { Side::Right };
-        drive.way.clear();
-        let mut wall = Wall::new(&self.chassis);
-        wall.adopt(seen);
-        let circuit = Box::new(Circuit::new(&self.chassis, side, wall, 0.25));
-        self.doing = Doing::Rounding { circuit, drive, id, tried_other: false };
-        None
-    }
-
-    fn round(
-        &mut self,
-        mut round: Round,
-        tracker: &mut Tracker,
-        survey: &mut Survey,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
-        if self.is_at_boundary(&round.circuit) {
-            return self.left_open(round, Failure::WallLost, tracker, survey, map, tell);
-        }
-        match round.circuit.next(tracker, rest) {
-            Leg::Go(ask) => {
-                let Round { circuit, drive, id, tried_other } = round;
-                self.doing = Doing::Rounding { circuit, drive, id, tried_other };
-                Some(ask)
-            }
-            Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
-                let since = closure.from.time_us;
-                let adjustment = Adjustment::new(tracker.path(), &closure, &overlap, since);
-                let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
-                let (outline, class) = object_outline(&contacts, true);
-                tracker.correct(adjustment.pose(tracker.pose(), tracker.time_us()));
-                if self.is_known(&contacts) {
-                    // The pose was off, or it would not have been met as something new.
-                    for contact in &contacts {
-                        let surface = self.chart.surface_at(survey, contact.point, contact.from);
-                        let fixed =
-                            surface.and_then(|s| survey.touch(tracker.pose(), contact.point, &s));
-                        fixed.into_iter().for_each(|pose| tracker.correct(pose));
-                    }
-                    tell.push(EventKind::ObjectKnown { id: round.id });
-                    self.resume(round.drive);
-                    return None;
-                }
-                let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
-                self.record(object, tracker, survey, map);
-                tell.push(EventKind::ObjectClosed { id: round.id });
-                self.resume(round.drive);
-                None
-            }
-            Leg::Closed(..) => {
-                self.left_open(round, Failure::LapEndless, tracker, survey, map, tell)
-            }
-            Leg::Failed(why) => self.left_open(round, why, tracker, survey, map, tell),
-        }
-    }
-
-    /// Whether what was gone round is on the map already.
-    fn is_known(&self, contacts: &[Contact]) -> bool {
-        let on_map = contacts
-            .iter()
-            .filter(|c| self.chart.objects().any(|ring| ring.distance(c.point) < KNOWN));
-        on_map.count() as f64 > SAME * contacts.len() as f64
-    }
-
-    /// Whether the round has run on to the boundary: there is no passage between.
-    fn is_at_boundary(&self, circuit: &Circuit) -> bool {
-        let log = circuit.wall.log();
-        let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
-        recent.len() == 14
-            && recent.iter().all(|seen| self.chart.outline().distance(seen.point) < KNOWN)
-    }
-
-    fn left_open(
-        &mut self,
-        round: Round,
-        why: Failure,
-        tracker: &Tracker,
-        survey: &mut Survey,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
-        let contacts: Vec<_> = round
-            .circuit
-            .wall
-            .log()
-            .iter()
-            .filter(|seen| seen.alive && self.chart.outline().distance(seen.point) > KNOWN)
-            .map(Sighting::contact)
-            .collect();
-        tell.push(EventKind::ObjectOpen { id: round.id, why });
-        if contacts.len() >= 3 {
-            let (outline, _) = object_outline(&contacts, false);
-            let object = MappedObject {
-                id: round.id,
-                class: ObjectClass::Open,
-                outline,
-                closed: false,
-                contacts,
-            };
-            self.record(object, tracker, survey, map);
-        }
-        let mut drive = round.drive;
-        drive.left_open += 1;
-        if drive.left_open >= MOST_LEFT_OPEN {
-            let why = Some(LineReason::ObjectOnLine);
-            self.end_line(&drive, LineStatus::Blocked, why, map, tell);
-            self.floor = None;
-            self.wall.clear();
-        } else {
-            self.resume(drive);
-        }
-        None
-    }
-
-    /// Adds an object to map and chart; it hangs on the pose of now.
-    fn record(
-        &mut self,
-        object: MappedObject,
-        tracker: &Tracker,
-        survey: &mut Survey,
-        map: &mut RoomMap,
-    ) {
-        let tie = survey.mark(tracker.pose().position, tracker.time_us());
-        self.chart.add(&object, tie);
-        map.objects.push(object);
-    }
-
-    /// Lets floor and map follow what the survey has learnt, when it is enough to matter.
-    fn follow_survey(&mut self, survey: &Survey, map: &mut RoomMap) {
-        if self.chart.refresh(survey) > 5e-4 {
-            self.floor = None;
-            self.chart.publish(survey, map);
-        }
-    }
-
-    fn resume(&mut self, mut drive: Box<Drive>) {
-        self.floor = None;
-        self.wall.clear();
-        drive.way.clear();
-        drive.again = self.contour == Contour::TwoPass && !drive.again;
-        self.doing = Doing::Driving(drive);
-    }
-}
-
-/// A round under way, taken out of the state while it is looked at.
-struct Round {
-    circuit: Box<Circuit>,
-    drive: Box<Drive>,
-    id: u32,
-    tried_other: bool,
 }
 
 fn finish(line: &mut PlanLine, status: LineStatus, reason: Option<LineReason>) {

@@ -45,7 +45,7 @@ fn the_same_seed_says_the_same() {
         let edges = one.iter().filter(|t| matches!(t, Telemetry::Edge(_)));
         // Each approach to a wall ends at an edge, and backing off makes the next.
         let edges = edges.count();
-        assert!(edges >= 20, "{noise}: {edges} edges");
+        assert!(edges >= 6, "{noise}: {edges} edges");
         assert_eq!(one, other, "{noise}: two runs with one seed differ");
     }
 }

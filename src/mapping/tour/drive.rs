@@ -24,6 +24,8 @@ pub(super) struct Drive {
     pub(super) way: VecDeque<Point>,
     /// The same line again from the other end: an object was met (two-pass contour).
     pub(super) again: bool,
+    /// Driven from its end.
+    pub(super) backwards: bool,
 }
 
 impl Drive {
@@ -40,6 +42,7 @@ impl Drive {
             skipped: false,
             way: VecDeque::new(),
             again: false,
+            backwards: false,
         }
     }
 

@@ -75,9 +75,9 @@ fn the_body_slides_along_a_wall_it_meets_at_an_angle() {
     drive(&mut body, 0.2, 0.0, 7.0);
     let at = body.true_pose().position;
     assert!((at.x - 3.9).abs() < 1e-3, "held off the wall at {at}, not at x 3.9");
-    let free = 0.9 / FRAC_PI_4.cos();
+    let free = 0.9 / angle::cos(FRAC_PI_4);
     // Along the wall goes only that part of the speed that the wall leaves.
-    let expected = 1.9 + (1.4 - free) * FRAC_PI_4.sin();
+    let expected = 1.9 + (1.4 - free) * angle::sin(FRAC_PI_4);
     assert!((at.y - expected).abs() < 0.01, "slid to y {}, not {expected}", at.y);
     assert!(body.bumper(), "pressed against a wall ahead");
     assert_eq!(body.bumps(), 1, "one touch is one bump");
@@ -127,7 +127,7 @@ fn a_wall_met_at_an_angle_closes_the_switch_along_the_beam() {
         let mut body = body(3.3, 1.5, heading);
         let edges = drive(&mut body, 0.2, 0.0, 7.0);
         let (_, pose) = first(&edges, 0, true);
-        let expected = 4.0 - 0.16 * heading.cos();
+        let expected = 4.0 - 0.16 * angle::cos(heading);
         assert!(
             (pose.position.x - expected).abs() < 5e-4,
             "heading {heading}: closed at {}, expected x {expected}",
@@ -154,7 +154,7 @@ fn a_turn_finds_the_angle_at_which_a_switch_closes() {
     let mut body = body(3.85, 1.5, FRAC_PI_4);
     let edges = drive(&mut body, 0.0, -0.5, 1.5);
     let (edge, pose) = first(&edges, 0, true);
-    let expected = (0.15_f64 / 0.16).acos();
+    let expected = angle::acos(0.15 / 0.16);
     assert!(
         (pose.heading - expected).abs() < 1e-3,
         "closed at {}, expected {expected}",

@@ -1,0 +1,277 @@
+//! Going round what a line meets: one full round at first contact, or past it on one side and on
+//! the way back on the other (paper III.F).
+
+use super::drive::Drive;
+use super::{Doing, KNOWN, MOST_LEFT_OPEN, SAME, Tour};
+use crate::geometry::{Pose, angle};
+use crate::mapping::adjust::Adjustment;
+use crate::mapping::circuit::{Circuit, Leg};
+use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::follow::{Ask, AtRest, Side};
+use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
+use crate::mapping::odometry::Tracker;
+use crate::mapping::passing::{Passing, Way};
+use crate::mapping::search::lap_contacts;
+use crate::mapping::settings::Contour;
+use crate::mapping::shape::object_outline;
+use crate::mapping::survey::Survey;
+use crate::mapping::wall::{Sighting, Wall};
+
+/// Metres driven again after a round has closed, for its misclosure.
+const ROUND_OVERLAP: f64 = 0.25;
+
+impl Tour {
+    /// Something unknown: goes round it.
+    pub(super) fn meet(
+        &mut self,
+        mut drive: Box<Drive>,
+        seen: Sighting,
+        bearing: f64,
+        by: String,
+        tracker: &Tracker,
+        map: &RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        let id = map.objects.len() as u32 + 1;
+        tell.push(EventKind::ObjectFound { id, by });
+        // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
+        let side = if bearing > 0.1 { Side::Left } else { Side::Right };
+        drive.way.clear();
+        let mut wall = Wall::new(&self.chassis);
+        wall.adopt(seen);
+        if self.contour == Contour::TwoPass {
+            let half = self.take_half(&drive);
+            let side = half.as_ref().map_or(side, |half| half.side);
+            let line = Pose { position: drive.from, heading: angle::of(drive.to - drive.from) };
+            let passing = Box::new(Passing::new(&self.chassis, side, wall, line, tracker));
+            self.doing = Doing::Passing { passing, drive, half };
+            return None;
+        }
+        let circuit = Box::new(Circuit::new(&self.chassis, side, wall, ROUND_OVERLAP));
+        self.doing = Doing::Rounding { circuit, drive, id };
+        None
+    }
+
+    pub(super) fn round(
+        &mut self,
+        mut round: Round,
+        tracker: &mut Tracker,
+        survey: &mut Survey,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        if self.is_at_boundary(&round.circuit) {
+            return self.left_open(round, Failure::WallLost, tracker, survey, map, tell);
+        }
+        match round.circuit.next(tracker, rest) {
+            Leg::Go(ask) => {
+                let Round { circuit, drive, id } = round;
+                self.doing = Doing::Rounding { circuit, drive, id };
+                Some(ask)
+            }
+            Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
+                let since = closure.from.time_us;
+                let adjustment = Adjustment::new(tracker.path(), &closure, &overlap, since);
+                let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
+                let (outline, class) = object_outline(&contacts, true);
+                tracker.correct(adjustment.pose(tracker.pose(), tracker.time_us()));
+                if self.is_known(&contacts) {
+                    // The pose was off, or it would not have been met as something new.
+                    for contact in &contacts {
+                        let surface = self.chart.surface_at(survey, contact.point, contact.from);
+                        let fixed =
+                            surface.and_then(|s| survey.touch(tracker.pose(), contact.point, &s));
+                        if let Some(pose) = fixed {
+                            tracker.correct(pose);
+                        }
+                    }
+                    tell.push(EventKind::ObjectKnown { id: round.id });
+                    self.resume(round.drive);
+                    return None;
+                }
+                let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
+                self.record(object, tracker, survey, map);
+                tell.push(EventKind::ObjectClosed { id: round.id });
+                self.resume(round.drive);
+                None
+            }
+            Leg::Closed(..) => {
+                self.left_open(round, Failure::LapEndless, tracker, survey, map, tell)
+            }
+            Leg::Failed(why) => self.left_open(round, why, tracker, survey, map, tell),
+        }
+    }
+
+    /// Whether what was gone round is on the map already.
+    fn is_known(&self, contacts: &[Contact]) -> bool {
+        let on_map = contacts
+            .iter()
+            .filter(|c| self.chart.objects().any(|ring| ring.distance(c.point) < KNOWN));
+        on_map.count() as f64 > SAME * contacts.len() as f64
+    }
+
+    /// Whether the round has run on to the boundary: there is no passage between.
+    fn is_at_boundary(&self, circuit: &Circuit) -> bool {
+        let log = circuit.wall.log();
+        let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
+        recent.len() == 14
+            && recent.iter().all(|seen| self.chart.outline().distance(seen.point) < KNOWN)
+    }
+
+    fn left_open(
+        &mut self,
+        round: Round,
+        why: Failure,
+        tracker: &Tracker,
+        survey: &mut Survey,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        let contacts: Vec<_> = round
+            .circuit
+            .wall
+            .log()
+            .iter()
+            .filter(|seen| seen.alive && self.chart.outline().distance(seen.point) > KNOWN)
+            .map(Sighting::contact)
+            .collect();
+        tell.push(EventKind::ObjectOpen { id: round.id, why });
+        if contacts.len() >= 3 {
+            let (outline, _) = object_outline(&contacts, false);
+            let object = MappedObject {
+                id: round.id,
+                class: ObjectClass::Open,
+                outline,
+                closed: false,
+                contacts,
+            };
+            self.record(object, tracker, survey, map);
+        }
+        let mut drive = round.drive;
+        drive.left_open += 1;
+        if drive.left_open >= MOST_LEFT_OPEN {
+            let why = Some(LineReason::ObjectOnLine);
+            self.end_line(&drive, LineStatus::Blocked, why, map, tell);
+            self.floor = None;
+            self.wall.clear();
+        } else {
+            self.resume(drive);
+        }
+        None
+    }
+
+    /// Adds an object to map and chart; it hangs on the pose of now.
+    fn record(
+        &mut self,
+        object: MappedObject,
+        tracker: &Tracker,
+        survey: &mut Survey,
+        map: &mut RoomMap,
+    ) {
+        let tie = survey.mark(tracker.pose().position, tracker.time_us());
+        self.chart.add(&object, tie);
+        map.objects.push(object);
+    }
+
+    /// Lets floor and map follow what the survey has learnt, when it is enough to matter.
+    pub(super) fn follow_survey(&mut self, survey: &Survey, map: &mut RoomMap) {
+        if self.chart.refresh(survey) > 5e-4 {
+            self.floor = None;
+            self.chart.publish(survey, map);
+        }
+    }
+
+    fn resume(&mut self, mut drive: Box<Drive>) {
+        self.floor = None;
+        self.wall.clear();
+        drive.way.clear();
+        self.doing = Doing::Driving(drive);
+    }
+
+    /// What was seen of the object on this line when it was driven the other way.
+    fn take_half(&mut self, drive: &Drive) -> Option<Half> {
+        let at = self.halves.iter().rposition(|(id, _)| *id == drive.id)?;
+        Some(self.halves.swap_remove(at).1)
+    }
+
+    /// Past an object on one side (two-pass contour). The first pass leaves half of it open, and
+    /// the line is driven again from its end; the second closes it.
+    pub(super) fn pass(
+        &mut self,
+        mut pass: Pass,
+        tracker: &mut Tracker,
+        survey: &mut Survey,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Ask> {
+        let id = map.objects.len() as u32 + 1;
+        match pass.passing.next(tracker, rest) {
+            Way::Leg(Leg::Go(ask)) => {
+                let Pass { passing, drive, half } = pass;
+                self.doing = Doing::Passing { passing, drive, half };
+                return Some(ask);
+            }
+            Way::Leg(Leg::Closed(..) | Leg::Failed(_)) => {
+                // No way past on this side: all the way round instead.
+                let Pass { passing, drive, .. } = pass;
+                let (side, wall) = (passing.side(), passing.wall);
+                let circuit = Box::new(Circuit::new(&self.chassis, side, wall, ROUND_OVERLAP));
+                self.doing = Doing::Rounding { circuit, drive, id };
+            }
+            Way::Back => {
+                let side = pass.passing.side();
+                let seen = side_contacts(&pass.passing);
+                if let Some(half) = pass.half.take() {
+                    let mut contacts = half.contacts;
+                    contacts.extend(seen);
+                    if side == Side::Right {
+                        contacts.reverse();
+                    }
+                    let (outline, class) = object_outline(&contacts, true);
+                    let object = MappedObject { id, class, outline, closed: true, contacts };
+                    self.record(object, tracker, survey, map);
+                    tell.push(EventKind::ObjectClosed { id });
+                } else {
+                    self.halves.push((pass.drive.id, Half { side, contacts: seen }));
+                    pass.drive.again = true;
+                    tell.push(EventKind::ObjectHalf { id });
+                }
+                self.resume(pass.drive);
+            }
+        }
+        None
+    }
+}
+
+/// A round under way, taken out of the state while it is looked at.
+pub(super) struct Round {
+    pub(super) circuit: Box<Circuit>,
+    pub(super) drive: Box<Drive>,
+    pub(super) id: u32,
+}
+
+/// A pass under way, likewise.
+pub(super) struct Pass {
+    pub(super) passing: Box<Passing>,
+    pub(super) drive: Box<Drive>,
+    pub(super) half: Option<Half>,
+}
+
+/// One side of an object, in the order in which it was passed.
+#[derive(Debug, Clone)]
+pub(super) struct Half {
+    side: Side,
+    contacts: Vec<Contact>,
+}
+
+/// What the switches on the object's hand saw on the way past it.
+fn side_contacts(passing: &Passing) -> Vec<Contact> {
+    let sign = passing.side().sign();
+    let towards = |seen: &&Sighting| {
+        let bearing = angle::wrap(seen.beam - seen.pose.heading) * sign;
+        seen.alive && (seen.sensor.is_none() || (-0.3..2.7).contains(&bearing))
+    };
+    passing.wall.log().iter().filter(towards).map(Sighting::contact).collect()
+}

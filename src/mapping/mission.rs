@@ -16,7 +16,7 @@ use super::search::{Next, Search, lap_contacts};
 use super::settings::Settings;
 use super::shape;
 use super::survey::Survey;
-use super::tour::Tour;
+use super::tour::{Scene, Tour};
 use super::wall::Wall;
 use crate::geometry::{Point, Pose};
 use crate::robot::{Command, CommandId, DoneReason, Motion, Odometer, SwitchSet, Telemetry};
@@ -460,8 +460,13 @@ impl Mission {
 
     fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
         let mut told = Vec::new();
-        let next =
-            tour.next(&mut self.tracker, &mut self.survey, &self.rest, &mut self.map, &mut told);
+        let next = tour.next(&mut Scene {
+            tracker: &mut self.tracker,
+            survey: &mut self.survey,
+            rest: self.rest,
+            map: &mut self.map,
+            tell: &mut told,
+        });
         for kind in told {
             self.tell(kind, out);
         }

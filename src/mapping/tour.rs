@@ -22,7 +22,7 @@ use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
-use drive::{Drive, best_chord};
+use drive::{Aim, Drive, best_chord};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 
@@ -51,6 +51,21 @@ enum Doing {
     BackingOff(Box<Drive>),
     Rounding { circuit: Box<Circuit>, drive: Box<Drive>, id: u32 },
     Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
+}
+
+/// What a decision of the tour looks at and writes to.
+#[derive(Debug)]
+pub struct Scene<'a> {
+    /// Where the robot believes it is.
+    pub tracker: &'a mut Tracker,
+    /// How the walls lie to each other.
+    pub survey: &'a mut Survey,
+    /// How the robot came to rest.
+    pub rest: AtRest,
+    /// The map so far.
+    pub map: &'a mut RoomMap,
+    /// What is told of it.
+    pub tell: &'a mut Vec<EventKind>,
 }
 
 /// The tour of the plan.
@@ -162,22 +177,15 @@ impl Tour {
     }
 
     /// The robot came to rest: the next motion; none when the tour is over.
-    pub fn next(
-        &mut self,
-        tracker: &mut Tracker,
-        survey: &mut Survey,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
-        // What is believed now may have been corrected since the robot came to rest.
-        let rest = AtRest { pose: tracker.pose(), ..*rest };
-        let mut reason = Some(rest.reason);
+    pub fn next(&mut self, scene: &mut Scene<'_>) -> Option<Ask> {
+        let mut reason = Some(scene.rest.reason);
         for _ in 0..200 {
+            // What is believed may have been corrected since the robot came to rest.
+            scene.rest.pose = scene.tracker.pose();
             match std::mem::replace(&mut self.doing, Doing::Choosing) {
                 Doing::Choosing => {
-                    self.follow_survey(survey, map);
-                    let drive = self.choose(tracker, &rest, map, tell)?;
+                    self.follow_survey(scene.survey, scene.map);
+                    let drive = self.choose(scene)?;
                     self.doing = Doing::Driving(Box::new(drive));
                     reason = None;
                 }
@@ -187,20 +195,20 @@ impl Tour {
                     reason = None;
                 }
                 Doing::Driving(drive) => {
-                    if let Some(ask) = self.drive(drive, reason.take(), tracker, &rest, map, tell) {
+                    if let Some(ask) = self.drive(drive, reason.take(), scene) {
                         return Some(ask);
                     }
                 }
                 Doing::Rounding { circuit, drive, id } => {
                     let round = Round { circuit, drive, id };
-                    if let Some(ask) = self.round(round, tracker, survey, &rest, map, tell) {
+                    if let Some(ask) = self.round(round, scene) {
                         return Some(ask);
                     }
                     reason = None;
                 }
                 Doing::Passing { passing, drive, half } => {
                     let pass = Pass { passing, drive, half };
-                    if let Some(ask) = self.pass(pass, tracker, survey, &rest, map, tell) {
+                    if let Some(ask) = self.pass(pass, scene) {
                         return Some(ask);
                     }
                     reason = None;
@@ -210,37 +218,25 @@ impl Tour {
         None
     }
 
-    fn choose(
-        &mut self,
-        tracker: &Tracker,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Drive> {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
         self.begun = true;
         while let Some((id, backwards)) = self.queue.pop_front() {
-            let line = map.plan.as_mut()?.lines.iter_mut().find(|line| line.id == id)?;
+            let line = scene.map.plan.as_mut()?.lines.iter_mut().find(|line| line.id == id)?;
             let Some((a, b)) = line.drive else {
                 finish(line, LineStatus::Skipped, Some(LineReason::NoClearance));
                 continue;
             };
             let (from, to) = if backwards { (b, a) } else { (a, b) };
             line.status = LineStatus::Driving;
-            tell.push(EventKind::LineBegan { id, backwards });
+            scene.tell.push(EventKind::LineBegan { id, backwards });
             return Some(Drive { backwards, ..Drive::new(id, from, to) });
         }
-        self.extra_line(tracker, rest, map, tell)
+        self.extra_line(scene)
     }
 
     /// A line through the largest disc that is still hidden, if it is too large.
-    fn extra_line(
-        &mut self,
-        tracker: &Tracker,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Drive> {
-        let path = tracker.path();
+    fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+        let path = scene.tracker.path();
         for point in &path[self.covered..] {
             self.coverage.push(point.pose.position);
         }
@@ -250,9 +246,9 @@ impl Tour {
         let coverage = self.coverage.clone();
         let given_up = self.given_up.clone();
         let extra = self.extra;
-        let floor = self.floor(rest.pose.position);
+        let floor = self.floor(scene.rest.pose.position);
         let spots = coverage.spots(floor, target.max(0.05));
-        map.hidden_disc = Some(coverage.largest(floor).map_or(0.0, |disc| disc.diameter));
+        scene.map.hidden_disc = Some(coverage.largest(floor).map_or(0.0, |disc| disc.diameter));
         if extra >= MOST_EXTRA {
             return None;
         }
@@ -265,9 +261,9 @@ impl Tour {
         self.extra += 1;
         self.given_up.push(at);
         let (from, to) = chord.unwrap_or((at, at));
-        let near = |p: &Point| (p - rest.pose.position).norm();
+        let near = |p: &Point| (p - scene.rest.pose.position).norm();
         let (from, to) = if near(&to) < near(&from) { (to, from) } else { (from, to) };
-        let plan = map.plan.as_mut()?;
+        let plan = scene.map.plan.as_mut()?;
         let id = plan.lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
         plan.lines.push(PlanLine {
             id,
@@ -280,7 +276,7 @@ impl Tour {
             status: LineStatus::Driving,
             reason: None,
         });
-        tell.push(EventKind::LineBegan { id, backwards: false });
+        scene.tell.push(EventKind::LineBegan { id, backwards: false });
         Some(Drive::new(id, from, to))
     }
 
@@ -288,10 +284,7 @@ impl Tour {
         &mut self,
         mut drive: Box<Drive>,
         reason: Option<DoneReason>,
-        tracker: &Tracker,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
+        scene: &mut Scene<'_>,
     ) -> Option<Ask> {
         match reason {
             Some(DoneReason::Guard { sensor, rising: true }) => {
@@ -299,12 +292,14 @@ impl Tour {
                     self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied()
                 {
                     match self.chart.distance(seen.point) {
-                        (distance, None) if distance < KNOWN => tell.push(EventKind::NearBoundary),
+                        (distance, None) if distance < KNOWN => {
+                            scene.tell.push(EventKind::NearBoundary);
+                        }
                         (distance, Some(_)) if distance < KNOWN => {}
                         _ => {
                             let name = self.chassis.sensors[sensor].name.clone();
                             let bearing = self.chassis.sensors[sensor].angle;
-                            return self.meet(drive, seen, bearing, name, tracker, map, tell);
+                            return self.meet(drive, seen, bearing, name, scene);
                         }
                     }
                 }
@@ -315,15 +310,14 @@ impl Tour {
                 if let Some(seen) = seen
                     && self.chart.distance(seen.point).0 > KNOWN
                 {
-                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), tracker, map, tell);
+                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
                 }
                 if drive.bumps >= MOST_BUMPS {
                     self.end_line(
                         &drive,
                         LineStatus::Blocked,
                         Some(LineReason::ObjectOnLine),
-                        map,
-                        tell,
+                        scene,
                     );
                     return None;
                 }
@@ -336,22 +330,16 @@ impl Tour {
             }
             _ => {}
         }
-        if drive.way.is_empty() && !self.plan_piece(&mut drive, rest.pose.position) {
+        if drive.way.is_empty() && !self.plan_piece(&mut drive, scene.rest.pose.position) {
             let reached = drive.done > 0.5 * (drive.to - drive.from).norm() || !drive.skipped;
             if reached && !drive.skipped {
-                self.end_line(&drive, LineStatus::Driven, None, map, tell);
+                self.end_line(&drive, LineStatus::Driven, None, scene);
             } else {
-                self.end_line(
-                    &drive,
-                    LineStatus::Blocked,
-                    Some(LineReason::ObjectOnLine),
-                    map,
-                    tell,
-                );
+                self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
             }
             return None;
         }
-        self.towards(drive, rest)
+        self.towards(drive, &scene.rest)
     }
 
     /// The next motion towards the next way point; none when it was reached.
@@ -361,7 +349,7 @@ impl Tour {
             let distance = off.norm();
             if distance > REACHED {
                 let turn = angle::wrap(angle::of(off) - rest.pose.heading);
-                let on_line = drive.on_line;
+                let on_line = drive.aim == Aim::Line;
                 let slack = (0.004 / distance).clamp(0.008, 0.2);
                 let ask = if turn.abs() > slack {
                     Ask {
@@ -380,7 +368,7 @@ impl Tour {
                 return Some(ask);
             }
             drive.way.pop_front();
-            if drive.way.is_empty() && drive.on_line {
+            if drive.way.is_empty() && drive.aim == Aim::Line {
                 self.driven += drive.piece_end - drive.done;
                 drive.done = drive.piece_end;
             }
@@ -417,13 +405,13 @@ impl Tour {
             drive.done = begin;
             if (first - at).norm() < 2.0 * REACHED {
                 drive.way = VecDeque::from([last]);
-                drive.on_line = true;
+                drive.aim = Aim::Line;
                 drive.piece_end = end;
                 return true;
             }
             if let Some(way) = floor.route(at, first, clearance - 0.01) {
                 drive.way = way.into_iter().skip(1).collect();
-                drive.on_line = false;
+                drive.aim = Aim::Way;
                 return true;
             }
             drive.skipped = true;
@@ -437,15 +425,15 @@ impl Tour {
         drive: &Drive,
         status: LineStatus,
         reason: Option<LineReason>,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
+        scene: &mut Scene<'_>,
     ) {
         self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);
-        let line = map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
+        let line =
+            scene.map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
         if let Some(line) = line {
             finish(line, status, reason);
         }
-        tell.push(match reason {
+        scene.tell.push(match reason {
             None => EventKind::LineDriven { id: drive.id },
             Some(reason) => EventKind::LineEnded { id: drive.id, reason },
         });

@@ -5,6 +5,15 @@ use crate::geometry::{Point, angle};
 use crate::mapping::floor::Floor;
 use std::collections::VecDeque;
 
+/// What the way points in hand lead to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// The end of a piece of the line.
+    Line,
+    /// The beginning of the next piece.
+    Way,
+}
+
 /// The piece of a line that is being driven.
 #[derive(Debug, Clone)]
 pub(super) struct Drive {
@@ -13,8 +22,7 @@ pub(super) struct Drive {
     pub(super) to: Point,
     /// Metres along from `from` that are done with.
     pub(super) done: f64,
-    /// Whether the piece in hand lies on the line, or is the way to it.
-    pub(super) on_line: bool,
+    pub(super) aim: Aim,
     /// Where the piece in hand ends, metres along.
     pub(super) piece_end: f64,
     pub(super) bumps: u32,
@@ -35,7 +43,7 @@ impl Drive {
             from,
             to,
             done: 0.0,
-            on_line: false,
+            aim: Aim::Way,
             piece_end: 0.0,
             bumps: 0,
             left_open: 0,

@@ -2,14 +2,13 @@
 //! the way back on the other (paper III.F).
 
 use super::drive::Drive;
-use super::{Doing, KNOWN, MOST_LEFT_OPEN, SAME, Tour};
+use super::{Doing, KNOWN, MOST_LEFT_OPEN, SAME, Scene, Tour};
 use crate::geometry::{Pose, angle};
 use crate::mapping::adjust::Adjustment;
 use crate::mapping::circuit::{Circuit, Leg};
 use crate::mapping::event::{EventKind, Failure};
-use crate::mapping::follow::{Ask, AtRest, Side};
+use crate::mapping::follow::{Ask, Side};
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
-use crate::mapping::odometry::Tracker;
 use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::lap_contacts;
 use crate::mapping::settings::Contour;
@@ -28,12 +27,10 @@ impl Tour {
         seen: Sighting,
         bearing: f64,
         by: String,
-        tracker: &Tracker,
-        map: &RoomMap,
-        tell: &mut Vec<EventKind>,
+        scene: &mut Scene<'_>,
     ) -> Option<Ask> {
-        let id = map.objects.len() as u32 + 1;
-        tell.push(EventKind::ObjectFound { id, by });
+        let id = scene.map.objects.len() as u32 + 1;
+        scene.tell.push(EventKind::ObjectFound { id, by });
         // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
         let side = if bearing > 0.1 { Side::Left } else { Side::Right };
         drive.way.clear();
@@ -43,7 +40,7 @@ impl Tour {
             let half = self.take_half(&drive);
             let side = half.as_ref().map_or(side, |half| half.side);
             let line = Pose { position: drive.from, heading: angle::of(drive.to - drive.from) };
-            let passing = Box::new(Passing::new(&self.chassis, side, wall, line, tracker));
+            let passing = Box::new(Passing::new(&self.chassis, side, wall, line, scene.tracker));
             self.doing = Doing::Passing { passing, drive, half };
             return None;
         }
@@ -52,19 +49,11 @@ impl Tour {
         None
     }
 
-    pub(super) fn round(
-        &mut self,
-        mut round: Round,
-        tracker: &mut Tracker,
-        survey: &mut Survey,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
+    pub(super) fn round(&mut self, mut round: Round, scene: &mut Scene<'_>) -> Option<Ask> {
         if self.is_at_boundary(&round.circuit) {
-            return self.left_open(round, Failure::WallLost, tracker, survey, map, tell);
+            return self.left_open(round, Failure::WallLost, scene);
         }
-        match round.circuit.next(tracker, rest) {
+        match round.circuit.next(scene.tracker, &scene.rest) {
             Leg::Go(ask) => {
                 let Round { circuit, drive, id } = round;
                 self.doing = Doing::Rounding { circuit, drive, id };
@@ -72,34 +61,36 @@ impl Tour {
             }
             Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
                 let since = closure.from.time_us;
-                let adjustment = Adjustment::new(tracker.path(), &closure, &overlap, since);
+                let adjustment = Adjustment::new(scene.tracker.path(), &closure, &overlap, since);
                 let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let (outline, class) = object_outline(&contacts, true);
-                tracker.correct(adjustment.pose(tracker.pose(), tracker.time_us()));
+                scene
+                    .tracker
+                    .correct(adjustment.pose(scene.tracker.pose(), scene.tracker.time_us()));
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.
                     for contact in &contacts {
-                        let surface = self.chart.surface_at(survey, contact.point, contact.from);
-                        let fixed =
-                            surface.and_then(|s| survey.touch(tracker.pose(), contact.point, &s));
+                        let surface =
+                            self.chart.surface_at(scene.survey, contact.point, contact.from);
+                        let fixed = surface.and_then(|s| {
+                            scene.survey.touch(scene.tracker.pose(), contact.point, &s)
+                        });
                         if let Some(pose) = fixed {
-                            tracker.correct(pose);
+                            scene.tracker.correct(pose);
                         }
                     }
-                    tell.push(EventKind::ObjectKnown { id: round.id });
+                    scene.tell.push(EventKind::ObjectKnown { id: round.id });
                     self.resume(round.drive);
                     return None;
                 }
                 let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
-                self.record(object, tracker, survey, map);
-                tell.push(EventKind::ObjectClosed { id: round.id });
+                self.record(object, scene);
+                scene.tell.push(EventKind::ObjectClosed { id: round.id });
                 self.resume(round.drive);
                 None
             }
-            Leg::Closed(..) => {
-                self.left_open(round, Failure::LapEndless, tracker, survey, map, tell)
-            }
-            Leg::Failed(why) => self.left_open(round, why, tracker, survey, map, tell),
+            Leg::Closed(..) => self.left_open(round, Failure::LapEndless, scene),
+            Leg::Failed(why) => self.left_open(round, why, scene),
         }
     }
 
@@ -119,15 +110,7 @@ impl Tour {
             && recent.iter().all(|seen| self.chart.outline().distance(seen.point) < KNOWN)
     }
 
-    fn left_open(
-        &mut self,
-        round: Round,
-        why: Failure,
-        tracker: &Tracker,
-        survey: &mut Survey,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
+    fn left_open(&mut self, round: Round, why: Failure, scene: &mut Scene<'_>) -> Option<Ask> {
         let contacts: Vec<_> = round
             .circuit
             .wall
@@ -136,7 +119,7 @@ impl Tour {
             .filter(|seen| seen.alive && self.chart.outline().distance(seen.point) > KNOWN)
             .map(Sighting::contact)
             .collect();
-        tell.push(EventKind::ObjectOpen { id: round.id, why });
+        scene.tell.push(EventKind::ObjectOpen { id: round.id, why });
         if contacts.len() >= 3 {
             let (outline, _) = object_outline(&contacts, false);
             let object = MappedObject {
@@ -146,13 +129,13 @@ impl Tour {
                 closed: false,
                 contacts,
             };
-            self.record(object, tracker, survey, map);
+            self.record(object, scene);
         }
         let mut drive = round.drive;
         drive.left_open += 1;
         if drive.left_open >= MOST_LEFT_OPEN {
             let why = Some(LineReason::ObjectOnLine);
-            self.end_line(&drive, LineStatus::Blocked, why, map, tell);
+            self.end_line(&drive, LineStatus::Blocked, why, scene);
             self.floor = None;
             self.wall.clear();
         } else {
@@ -162,16 +145,10 @@ impl Tour {
     }
 
     /// Adds an object to map and chart; it hangs on the pose of now.
-    fn record(
-        &mut self,
-        object: MappedObject,
-        tracker: &Tracker,
-        survey: &mut Survey,
-        map: &mut RoomMap,
-    ) {
-        let tie = survey.mark(tracker.pose().position, tracker.time_us());
+    fn record(&mut self, object: MappedObject, scene: &mut Scene<'_>) {
+        let tie = scene.survey.mark(scene.tracker.pose().position, scene.tracker.time_us());
         self.chart.add(&object, tie);
-        map.objects.push(object);
+        scene.map.objects.push(object);
     }
 
     /// Lets floor and map follow what the survey has learnt, when it is enough to matter.
@@ -197,17 +174,9 @@ impl Tour {
 
     /// Past an object on one side (two-pass contour). The first pass leaves half of it open, and
     /// the line is driven again from its end; the second closes it.
-    pub(super) fn pass(
-        &mut self,
-        mut pass: Pass,
-        tracker: &mut Tracker,
-        survey: &mut Survey,
-        rest: &AtRest,
-        map: &mut RoomMap,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Ask> {
-        let id = map.objects.len() as u32 + 1;
-        match pass.passing.next(tracker, rest) {
+    pub(super) fn pass(&mut self, mut pass: Pass, scene: &mut Scene<'_>) -> Option<Ask> {
+        let id = scene.map.objects.len() as u32 + 1;
+        match pass.passing.next(scene.tracker, &scene.rest) {
             Way::Leg(Leg::Go(ask)) => {
                 let Pass { passing, drive, half } = pass;
                 self.doing = Doing::Passing { passing, drive, half };
@@ -231,12 +200,12 @@ impl Tour {
                     }
                     let (outline, class) = object_outline(&contacts, true);
                     let object = MappedObject { id, class, outline, closed: true, contacts };
-                    self.record(object, tracker, survey, map);
-                    tell.push(EventKind::ObjectClosed { id });
+                    self.record(object, scene);
+                    scene.tell.push(EventKind::ObjectClosed { id });
                 } else {
                     self.halves.push((pass.drive.id, Half { side, contacts: seen }));
                     pass.drive.again = true;
-                    tell.push(EventKind::ObjectHalf { id });
+                    scene.tell.push(EventKind::ObjectHalf { id });
                 }
                 self.resume(pass.drive);
             }

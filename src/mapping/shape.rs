@@ -7,6 +7,7 @@ mod classify;
 mod corner;
 mod object;
 mod order;
+mod rectangle;
 mod segment;
 mod split;
 #[cfg(test)]

@@ -2,12 +2,15 @@
 
 use super::classify::SHALLOW;
 use super::order;
+use super::rectangle::rectangle;
 use crate::geometry::hull::{deepest_bay, jarvis};
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 use crate::mapping::map::{Contact, ContactKind, ObjectClass};
 
 /// The robot's reach only bounds inner corners of a bay here, metres.
 const REACH: f64 = 0.16;
+/// A rectangle may lie this much looser on the contacts than a ring of more pieces.
+const LOOSER: f64 = 1.2;
 /// How far a corner may be from a right angle, radians.
 const RIGHT: f64 = 5.0 * angle::PI / 180.0;
 
@@ -19,13 +22,33 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         return (chain(contacts), ObjectClass::Open);
     }
     // The floor lies outside: the fitted ring runs clockwise round the solid.
-    let ring = super::fitted(contacts, REACH)
-        .or_else(|| super::chain::outline(contacts))
+    let fitted = super::fitted(contacts, REACH)
         .map(Ring::counter_clockwise)
-        .filter(|ring| passes_contacts(ring, contacts))
+        .filter(|ring| passes_contacts(ring, contacts));
+    let spread = fitted.as_ref().map_or(f64::INFINITY, |ring| spread(ring, contacts));
+    if let Some(ring) =
+        rectangle(contacts).filter(|ring| self::spread(ring, contacts) < LOOSER * spread)
+    {
+        return (ring, ObjectClass::Rectangle);
+    }
+    let ring = fitted
+        .or_else(|| {
+            super::chain::outline(contacts)
+                .map(Ring::counter_clockwise)
+                .filter(|ring| passes_contacts(ring, contacts))
+        })
         .unwrap_or_else(|| hull(contacts));
     let class = class(&ring);
     (ring, class)
+}
+
+/// Root mean square distance of the contacts from the ring, metres.
+fn spread(ring: &Ring, contacts: &[Contact]) -> f64 {
+    let touched = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
+    let (sum, count) = touched.fold((0.0, 0), |(sum, count), contact| {
+        (sum + ring.distance(contact.point).powi(2), count + 1)
+    });
+    (sum / f64::from(count.max(1))).sqrt()
 }
 
 /// Whether nearly all contacts lie on the ring: else it is no picture of what was touched.

@@ -17,6 +17,10 @@ use nalgebra::{Matrix3, Vector3};
 /// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
 const CONTACT_SD: f64 = 0.005;
 
+/// A direction (metres, radians) is seen when it moves a contact off its wall by at least this
+/// share of itself, root mean square: above what tangents through few contacts scatter by.
+const LEAST_SLOPE: f64 = 0.05;
+
 /// Distance of the starts in a direction that the overlap leaves open, metres.
 const OPEN_STEP: f64 = 0.04;
 
@@ -164,6 +168,7 @@ impl Laid<'_> {
                 normal += row * row.transpose() * weight;
                 right += row * ((off + row.dot(&found)) * weight);
             }
+            (normal, right) = well_seen(&normal, &right, known);
             (fit.normal, fit.right) = (normal, right);
             (fit.agreeing, fit.known) = (agreeing, known);
             let Some(solution) = (normal + self.prior).lu().solve(&right) else {
@@ -177,6 +182,26 @@ impl Laid<'_> {
         }
         fit
     }
+}
+
+/// The same equations without the directions that `count` contacts hardly speak of. Along a straight
+/// wall, or about the centre of an arc, nothing but the scatter of the tangents is left, and that
+/// must not outvote what the gyro and the wheels are known to keep to.
+fn well_seen(
+    normal: &Matrix3<f64>,
+    right: &Vector3<f64>,
+    count: usize,
+) -> (Matrix3<f64>, Vector3<f64>) {
+    let least = LEAST_SLOPE.powi(2) * count as f64 / CONTACT_SD.powi(2);
+    let eigen = normal.symmetric_eigen();
+    let (mut seen, mut told) = (Matrix3::zeros(), Vector3::zeros());
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > least {
+            seen += vector * vector.transpose() * *value;
+            told += vector * vector.dot(right);
+        }
+    }
+    (seen, told)
 }
 
 /// The straight stretch of early wall on which `point` lies: through its neighbours, as near as

@@ -2,6 +2,7 @@
 //! itself: where it would, the fit gives way to the contacts themselves.
 
 use super::Sample;
+use super::chain::{TOLERANCE, thinned};
 use super::corner::{Joint, Judge};
 use super::segment::{Model, Run};
 use crate::geometry::fit::Moments;
@@ -225,7 +226,8 @@ fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
     const LARGEST_LOOP: f64 = 1.0;
     for _ in 0..200 {
         let Some(&(i, k)) = crossings(&points).first() else {
-            return (points.len() >= 3).then(|| Ring::polygon(&points));
+            let thin = thinned(&points, TOLERANCE);
+            return (thin.len() >= 3).then(|| Ring::polygon(&thin));
         };
         let length = |from: usize, to: usize| -> f64 {
             (from..to)

@@ -2,11 +2,13 @@
 //! order, untangled and thinned. Nothing is drawn that was not touched.
 
 use super::order;
+use crate::geometry::simple::crossings;
 use crate::geometry::{Point, Ring, cross};
 use crate::mapping::map::{Contact, ContactKind};
+use std::collections::BTreeSet;
 
 /// Contacts nearer than this to the line between their neighbours are left out, metres.
-const TOLERANCE: f64 = 0.003;
+pub(super) const TOLERANCE: f64 = 0.004;
 /// Rounds of untangling at most.
 const ROUNDS: usize = 400;
 
@@ -21,9 +23,8 @@ pub(super) fn outline(contacts: &[Contact]) -> Option<Ring> {
     if points.len() < 4 || !untangle(&mut points) {
         return None;
     }
-    let thin = thinned(&points);
-    let kept = if first_crossing(&thin).is_none() && thin.len() >= 3 { thin } else { points };
-    Some(Ring::polygon(&kept))
+    let thin = thinned(&points, TOLERANCE);
+    (thin.len() >= 3).then(|| Ring::polygon(&thin))
 }
 
 /// Reverses the piece between two crossing sides until none cross (2-opt): each reversal makes the
@@ -75,36 +76,59 @@ fn cross_each_other(p: (Point, Point), q: (Point, Point)) -> bool {
         && left(p.0, p.1, q.0) * left(p.0, p.1, q.1) < 0.0
 }
 
-/// Douglas and Peucker's thinning, from two contacts far apart.
-fn thinned(points: &[Point]) -> Vec<Point> {
-    let far = (0..points.len())
+/// Thinned by Douglas and Peucker's rule to within `tolerance` (metres), from two corners far apart,
+/// of a simple polygon; where that would make it cross itself, more of its corners stay.
+pub(super) fn thinned(points: &[Point], tolerance: f64) -> Vec<Point> {
+    let count = points.len();
+    let far = (0..count)
         .max_by(|&a, &b| (points[a] - points[0]).norm().total_cmp(&(points[b] - points[0]).norm()))
         .unwrap_or(0);
-    let mut closed = points.to_vec();
-    closed.push(points[0]);
-    let mut kept = vec![points[0]];
-    thin(&closed[..=far], &mut kept);
-    thin(&closed[far..], &mut kept);
+    let at = |k: usize| points[k % count];
+    let mut kept = vec![0];
+    thin(&at, (0, far), tolerance, &mut kept);
+    thin(&at, (far, count), tolerance, &mut kept);
     kept.pop();
-    kept
+    loop {
+        let ring: Vec<Point> = kept.iter().map(|k| points[*k]).collect();
+        let crossing = crossings(&ring);
+        let sides = crossing.iter().flat_map(|(i, k)| [*i, *k]);
+        let restored: BTreeSet<usize> = sides
+            .filter_map(|side| {
+                let (from, to) = (kept[side], kept.get(side + 1).copied().unwrap_or(count));
+                farthest(&at, (from, to)).map(|(k, _)| k)
+            })
+            .collect();
+        if restored.is_empty() {
+            return ring;
+        }
+        kept.extend(restored);
+        kept.sort_unstable();
+        kept.dedup();
+    }
 }
 
-fn thin(points: &[Point], kept: &mut Vec<Point>) {
-    let (Some(&first), Some(&last)) = (points.first(), points.last()) else {
-        return;
-    };
-    let along = last - first;
-    let off = |p: &Point| {
+/// The corner between the ends of `stretch` that lies farthest off the line between them, with how
+/// far.
+fn farthest(at: &impl Fn(usize) -> Point, stretch: (usize, usize)) -> Option<(usize, f64)> {
+    let (first, along) = (at(stretch.0), at(stretch.1) - at(stretch.0));
+    let off = |p: Point| {
         let t = ((p - first).dot(&along) / along.norm_squared().max(1e-18)).clamp(0.0, 1.0);
         (first + along * t - p).norm()
     };
-    let farthest = (1..points.len().saturating_sub(1))
-        .max_by(|&a, &b| off(&points[a]).total_cmp(&off(&points[b])));
-    match farthest {
-        Some(k) if off(&points[k]) > TOLERANCE => {
-            thin(&points[..=k], kept);
-            thin(&points[k..], kept);
+    (stretch.0 + 1..stretch.1).map(|k| (k, off(at(k)))).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn thin(
+    at: &impl Fn(usize) -> Point,
+    stretch: (usize, usize),
+    tolerance: f64,
+    kept: &mut Vec<usize>,
+) {
+    match farthest(at, stretch) {
+        Some((k, off)) if off > tolerance => {
+            thin(at, (stretch.0, k), tolerance, kept);
+            thin(at, (k, stretch.1), tolerance, kept);
         }
-        _ => kept.push(last),
+        _ => kept.push(stretch.1),
     }
 }

@@ -70,7 +70,7 @@ pub(super) fn rectangle(contacts: &[Contact]) -> Option<Ring> {
         return None;
     }
     let mut seen = [0_usize; 4];
-    let mut near = 0;
+    let mut near = 0_usize;
     for contact in &contacts {
         let side = sides.side_of(contact)?;
         let off = distance(&sides, contact.point);
@@ -148,7 +148,6 @@ fn refine(sides: &mut Sides, contacts: &[Contact]) {
     }
     if square > 1e-9 {
         let turn = (lever / square).clamp(-0.05, 0.05);
-        let direction = angle::of(sides.along) + turn * -1.0;
-        sides.along = angle::unit(direction);
+        sides.along = angle::unit(angle::of(sides.along) - turn);
     }
 }

@@ -4,6 +4,10 @@
 //! bumper, on the time limit, when it is stalled, and when the host has been silent for 300 ms.
 //! Knows nothing of maps; decides nothing but when to stop.
 
+pub mod device;
+
+pub use device::Device;
+
 use crate::geometry::angle;
 use crate::robot::{
     Chassis, Command, CommandId, DoneReason, Hardware, Motion, Odometer, Telemetry,
@@ -33,6 +37,7 @@ pub struct Firmware {
     running: Option<Running>,
     last_id: Option<CommandId>,
     silent: f64,
+    patience: f64,
     steps: u32,
 }
 
@@ -40,7 +45,20 @@ impl Firmware {
     /// For a robot with `chassis`.
     #[must_use]
     pub fn new(chassis: &Chassis) -> Self {
-        Self { chassis: chassis.clone(), running: None, last_id: None, silent: 0.0, steps: 0 }
+        Self {
+            chassis: chassis.clone(),
+            running: None,
+            last_id: None,
+            silent: 0.0,
+            patience: WATCHDOG,
+            steps: 0,
+        }
+    }
+
+    /// The same, but it waits `seconds` for a host that is silent.
+    #[must_use]
+    pub fn with_patience(self, seconds: f64) -> Self {
+        Self { patience: seconds, ..self }
     }
 
     /// Begins a motion. A repeated id is the same command and changes nothing.
@@ -93,7 +111,7 @@ impl Firmware {
                 }
             }
         }
-        if self.silent > WATCHDOG {
+        if self.silent > self.patience {
             self.end(DoneReason::HostSilent);
         }
         if let Some(done) = self.control(hardware) {
@@ -164,9 +182,10 @@ impl Firmware {
                     - running.begin.left_ticks
                     - running.begin.right_ticks;
                 let done = ticks as f64 * self.chassis.tick / 2.0;
-                // Half of half a tick is all that can be told.
+                // Nearer than half a tick cannot be told; a little more, lest it hunts to and fro
+                // between two ticks equally far off.
                 let left = distance - done;
-                let left = if left.abs() < self.chassis.tick / 2.0 { 0.0 } else { left };
+                let left = if left.abs() < self.chassis.tick * 0.55 { 0.0 } else { left };
                 (left, speed.min(self.chassis.speed), self.chassis.acceleration)
             }
             Motion::Turn { angle, rate } => {

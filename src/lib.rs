@@ -13,7 +13,8 @@
 //!    (III.E) on `floor`; `tour` (III.F) with `fix`.
 //! 4. `safety`: the one gate for commands. `session`: core, gate and operator's word together, and
 //!    the snapshot that the screen reads.
-//! 5. `simulator`, `firmware`, `link`: the simulated room, the robot's own side, and both as a link.
+//! 5. `wire`: what host and robot say to each other. `simulator`, `firmware`, `link`: the simulated
+//!    room, the robot's own side, and the ways to either.
 //! 6. `console`, `export`, `journal`: the screen, the results, the record.
 //! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments.
 //!
@@ -34,3 +35,4 @@ pub mod runtime;
 pub mod safety;
 pub mod session;
 pub mod simulator;
+pub mod wire;

@@ -4,7 +4,9 @@
 pub mod clock;
 pub mod driver;
 pub mod folder;
+pub mod live;
 pub mod progress;
+pub mod recorded;
 pub mod signals;
 pub mod simulated;
 

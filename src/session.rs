@@ -3,8 +3,10 @@
 //! Telemetry and intents go in; commands, stops and events come out. The session decides *whether*
 //! the robot may go on (run, pause, step, stop); the mission decides *how*.
 
+pub mod replay;
 pub mod snapshot;
 
+pub use replay::Replay;
 pub use snapshot::{Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
 
 use crate::mapping::event::{Event, EventKind, Severity};
@@ -153,6 +155,12 @@ impl Session {
             Intent::StepPhase => self.run = RunState::Stepping(Step::Phase),
         }
         self.go_on(out);
+    }
+
+    /// Tells the operator something that is no business of the mission: of the link, of the record.
+    pub fn remark(&mut self, why: String, out: &mut Vec<Outgoing>) {
+        self.version += 1;
+        self.note(EventKind::Reason { why }, out);
     }
 
     /// Lets the mission decide as long as it is ready and allowed to.

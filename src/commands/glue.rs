@@ -2,13 +2,16 @@
 //! whole of that meeting; everything else in [`super`] is written against them.
 
 use super::CommandError;
-use crate::cli::{ArgumentError, Common, FrameFormat, FrameSize, SnapshotArgs};
+use crate::cli::{Common, FrameFormat, FrameSize, SnapshotArgs};
 use crate::console::app::{self, Options};
+use crate::console::driver::Driver;
 use crate::console::{Keymap, frame};
 use crate::journal::{Header, Journal, Recording};
 use crate::runtime::driver::{RealClock, SimulatedDriver};
+use crate::runtime::recorded::RecordedDriver;
 use crate::runtime::simulated::{Headless, SimulatedRun};
 use crate::runtime::{OutputFolder, Runner};
+use crate::session::Replay;
 use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -75,12 +78,7 @@ pub fn console(
     let noise = common.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
     let mut driver = SimulatedDriver::new(run);
-    let options =
-        Options { keymap, colour: std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty()) };
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-    let runtime =
-        runtime.map_err(|source| CommandError::System { what: "the event loop", source })?;
-    let ended = runtime.block_on(app::run(&mut driver, options, &mut RealClock::start()));
+    let ended = on_screen(&mut driver, keymap)?;
     let mut headless = Headless::left(driver.into_run());
     let mut status = 0;
     for failure in headless.write(&folder) {
@@ -88,12 +86,30 @@ pub fn console(
         status = 1;
     }
     super::output::say(&format!("periplus: recorded in {}", folder.path().display()));
+    Ok(status_of(ended, status))
+}
+
+/// Hands `driver` to the operator until the console is left.
+fn on_screen(
+    driver: &mut dyn Driver,
+    keymap: Keymap,
+) -> Result<Result<app::Ending, app::ConsoleError>, CommandError> {
+    let options =
+        Options { keymap, colour: std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty()) };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime =
+        runtime.map_err(|source| CommandError::System { what: "the event loop", source })?;
+    Ok(runtime.block_on(app::run(driver, options, &mut RealClock::start())))
+}
+
+/// Exit status after the console was left; `status` when it was left in peace.
+fn status_of(ended: Result<app::Ending, app::ConsoleError>, status: u8) -> u8 {
     match ended {
-        Ok(app::Ending::Quit) => Ok(status),
-        Ok(app::Ending::Signal(number)) => Ok(128 + number),
+        Ok(app::Ending::Quit) => status,
+        Ok(app::Ending::Signal(number)) => 128 + number,
         Err(error) => {
             super::output::say(&format!("periplus: {error}"));
-            Ok(1)
+            1
         }
     }
 }
@@ -126,22 +142,64 @@ fn header_of(
 /// The console over a record.
 ///
 /// # Errors
-/// As [`console`].
-pub fn replay(_recording: Recording, _keymap: Option<&Path>) -> Result<u8, CommandError> {
-    Err(absent("`periplus replay`"))
+/// As [`console`]; also when the replay went another way than the run.
+pub fn replay(recording: Recording, keys: Option<&Path>) -> Result<u8, CommandError> {
+    let keymap = keymap(keys)?;
+    warn_torn(&recording);
+    let mut driver = RecordedDriver::new(Replay::new(recording));
+    let ended = on_screen(&mut driver, keymap)?;
+    match driver.replay().difference() {
+        Some(difference) => {
+            super::output::say(&format!("periplus: the replay differs from the run: {difference}"));
+            Ok(1)
+        }
+        None => Ok(status_of(ended, 0)),
+    }
+}
+
+fn warn_torn(recording: &Recording) {
+    if let Some(torn) = recording.torn {
+        super::output::say(&format!(
+            "periplus: the record was cut off in line {}; {} bytes are left out",
+            torn.line, torn.bytes
+        ));
+    }
 }
 
 /// A frame of a record at an instant, in robot seconds.
 ///
 /// # Errors
-/// When the record does not reach that instant.
+/// When the record does not reach that instant, or is played back another way than it was made.
 pub fn snapshot_of_record(
-    _recording: Recording,
-    _at: f64,
-    _size: FrameSize,
-    _format: FrameFormat,
+    recording: Recording,
+    at: f64,
+    size: FrameSize,
+    format: FrameFormat,
 ) -> Result<String, CommandError> {
-    Err(absent("`periplus snapshot`"))
+    warn_torn(&recording);
+    let mut replay = Replay::new(recording);
+    let end = replay.duration();
+    if at > end {
+        let why = format!("--at {at}: the record ends at {end:.2} s; name an earlier instant");
+        return Err(CommandError::Input(why));
+    }
+    replay.advance_to(at);
+    if let Some(difference) = replay.difference() {
+        let why = format!(
+            "the replay differs from the run: {difference}; was it made by another version?"
+        );
+        return Err(CommandError::Input(why));
+    }
+    let snapshot = replay.session().snapshot();
+    Ok(frame::render(&snapshot, size.columns, size.rows, format_of(format), Keymap::default()))
+}
+
+fn format_of(format: FrameFormat) -> frame::Format {
+    match format {
+        FrameFormat::Text => frame::Format::Text,
+        FrameFormat::Ansi => frame::Format::Ansi,
+        FrameFormat::Svg => frame::Format::Svg,
+    }
 }
 
 /// A frame of a world after a phase.
@@ -155,15 +213,7 @@ pub fn snapshot_of_world(args: &SnapshotArgs, common: &Common) -> Result<String,
     let run: SimulatedRun<std::io::Sink> = SimulatedRun::new(&world, header, noise, None);
     let mut headless = Headless::new(run);
     while headless.step() == crate::runtime::Step::Going {}
-    let format = match args.format {
-        FrameFormat::Text => frame::Format::Text,
-        FrameFormat::Ansi => frame::Format::Ansi,
-        FrameFormat::Svg => frame::Format::Svg,
-    };
     let snapshot = headless.inner().snapshot();
-    Ok(frame::render(&snapshot, args.size.columns, args.size.rows, format, Keymap::default()))
-}
-
-fn absent(what: &'static str) -> CommandError {
-    ArgumentError::absent(what, "a record cannot be shown again by this version").into()
+    let (columns, rows) = (args.size.columns, args.size.rows);
+    Ok(frame::render(&snapshot, columns, rows, format_of(args.format), Keymap::default()))
 }

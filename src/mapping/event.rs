@@ -308,7 +308,7 @@ impl fmt::Display for EventKind {
             Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
             Self::Reason { why } => f.write_str(why),
             Self::Bumped => f.write_str("bumper"),
-            Self::Odd { reason } => write!(f, "motion ended: {reason:?}"),
+            Self::Odd { reason } => write!(f, "motion ended early: {reason}"),
             Self::Stopped => f.write_str("stopped by the operator"),
             Self::StopCleared => f.write_str("stop cleared"),
             Self::AlphaSet { alpha } => write!(f, "α set to {alpha:.2} m"),

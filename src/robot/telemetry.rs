@@ -52,6 +52,22 @@ pub enum DoneReason {
     HostSilent,
 }
 
+impl std::fmt::Display for DoneReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Complete => f.write_str("all of it was travelled"),
+            Self::Guard { sensor, rising } => {
+                write!(f, "switch {sensor} {}", if *rising { "closed" } else { "opened" })
+            }
+            Self::Bumper => f.write_str("bumper"),
+            Self::Stalled => f.write_str("stalled"),
+            Self::TimeLimit => f.write_str("its time ran out"),
+            Self::Stopped => f.write_str("stopped"),
+            Self::HostSilent => f.write_str("the robot did not hear the host"),
+        }
+    }
+}
+
 /// One message from the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "telemetry")]

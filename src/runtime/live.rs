@@ -1,0 +1,372 @@
+//! A session with a real robot, without the port: bytes and the time in, bytes out. What reads and
+//! writes the port is [`super::line`]; the tests put a faulty line and a simulated robot in its place.
+
+use super::Ending;
+use crate::export::{Outcome, RunRecord};
+use crate::journal::{Header, Journal, PhaseEnd, state_hash};
+use crate::mapping::event::Failure;
+use crate::mapping::map::{Phase, RoomMap};
+use crate::mapping::settings::Settings;
+use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
+use crate::session::{Known, Outgoing, RunState, Session, Snapshot};
+use crate::wire::{Heard, Health, Host};
+use std::io::Write;
+
+/// What a run with a real robot is started with; the robot itself adds its body.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Settings; the chassis is replaced by the robot's own.
+    pub settings: Settings,
+    /// What the port is called.
+    pub port: String,
+    /// Phase whose end completes the run; none for all of them.
+    pub until: Option<Phase>,
+    /// Go on by itself as soon as the robot is there (a run without an operator).
+    pub at_once: bool,
+}
+
+/// A run with a robot at the end of a line.
+pub struct LiveRun<W: Write> {
+    plan: Plan,
+    host: Host,
+    session: Option<Session>,
+    /// Where the record will go, until the robot has said who it is.
+    out: Option<W>,
+    journal: Option<Journal<W>>,
+    heard: Vec<Heard>,
+    outgoing: Vec<Outgoing>,
+    /// A command that waits for the line to be sound.
+    held: Option<Command>,
+    last: (Odometer, SwitchSet, bool),
+    ended: Option<Ending>,
+    map: RoomMap,
+    version: u64,
+}
+
+impl<W: Write> LiveRun<W> {
+    /// A run over `host`; its record goes to `out`.
+    #[must_use]
+    pub fn new(plan: Plan, host: Host, out: Option<W>) -> Self {
+        Self {
+            plan,
+            host,
+            session: None,
+            out,
+            journal: None,
+            heard: Vec::new(),
+            outgoing: Vec::new(),
+            held: None,
+            last: (Odometer::default(), SwitchSet::EMPTY, false),
+            ended: None,
+            map: RoomMap::default(),
+            version: 0,
+        }
+    }
+
+    /// The host's end of the line.
+    #[must_use]
+    pub fn host(&self) -> &Host {
+        &self.host
+    }
+
+    /// The session, once the robot has said who it is.
+    #[must_use]
+    pub fn session(&self) -> Option<&Session> {
+        self.session.as_ref()
+    }
+
+    /// Changes whenever the snapshot would differ.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version + self.session.as_ref().map_or(0, Session::version)
+    }
+
+    /// What is to be written now.
+    pub fn take_output(&mut self) -> Vec<u8> {
+        self.host.take_output()
+    }
+
+    /// Takes what came over the line.
+    pub fn receive(&mut self, bytes: &[u8], now: f64) {
+        self.host.receive(bytes, now, &mut self.heard);
+        self.take_heard(now);
+    }
+
+    /// Lets the time pass.
+    pub fn tick(&mut self, now: f64) {
+        self.host.tick(now, &mut self.heard);
+        self.take_heard(now);
+        if let Some(command) = self.held
+            && self.host.is_sound(now)
+        {
+            self.held = None;
+            self.host.send(command, now);
+        }
+        let failed = self.journal.as_ref().and_then(|journal| journal.error());
+        if let Some(error) = failed
+            && self.ended.is_none()
+        {
+            let reason = format!("the record cannot be written: {error}; the robot was stopped");
+            self.stop(now);
+            self.end(Outcome::Failed, reason);
+        }
+    }
+
+    /// The port is gone.
+    pub fn unplugged(&mut self, now: f64) {
+        self.host.unplugged(&mut self.heard);
+        self.take_heard(now);
+    }
+
+    /// The port is there again.
+    pub fn reopened(&mut self, now: f64) {
+        self.version += 1;
+        self.host.reopened(now);
+    }
+
+    /// Takes a wish of the operator. A stop leaves with the next bytes, before everything else.
+    pub fn intent(&mut self, intent: Intent, now: f64) {
+        let Some(session) = &mut self.session else {
+            if intent == Intent::Stop {
+                self.host.stop(now);
+            }
+            return;
+        };
+        if let Some(journal) = &mut self.journal {
+            journal.intent(session.mission().tracker().time_us(), &intent);
+        }
+        session.intent(intent, &mut self.outgoing);
+        self.deliver(now);
+    }
+
+    fn stop(&mut self, now: f64) {
+        if self.session.is_some() {
+            self.intent(Intent::Stop, now);
+        } else {
+            self.host.stop(now);
+        }
+    }
+
+    fn remark(&mut self, why: String, now: f64) {
+        self.version += 1;
+        if let Some(session) = &mut self.session {
+            session.remark(why, &mut self.outgoing);
+            self.deliver(now);
+        }
+    }
+
+    fn end(&mut self, outcome: Outcome, reason: String) {
+        self.version += 1;
+        self.ended.get_or_insert(Ending { outcome, reason });
+    }
+
+    fn take_heard(&mut self, now: f64) {
+        for heard in std::mem::take(&mut self.heard) {
+            match heard {
+                Heard::Hello(identity) => {
+                    self.version += 1;
+                    if self.session.is_none() {
+                        let mut settings = self.plan.settings.clone();
+                        settings.chassis = identity.chassis.clone();
+                        self.begin(settings, &identity.name);
+                    } else {
+                        self.remark(format!("{} is there again", identity.name), now);
+                    }
+                }
+                Heard::Rebooted => {
+                    self.stop(now);
+                    let why = "the robot was started again: where it is, is no longer known";
+                    self.remark(why.to_owned(), now);
+                    self.end(Outcome::Failed, why.to_owned());
+                }
+                Heard::Telemetry(telemetry) => self.telemetry(&telemetry, now),
+                Heard::Health(health) => self.health(health, now),
+                Heard::Refused(id, why) => {
+                    self.stop(now);
+                    self.remark(format!("the robot refused a command: {why}"), now);
+                    self.not_begun(id, now);
+                }
+                Heard::NotBegun(id) => self.not_begun(id, now),
+            }
+        }
+    }
+
+    fn begin(&mut self, settings: Settings, name: &str) {
+        let source = format!("{name} on {}", self.plan.port);
+        let until = self.plan.until;
+        let header = Header { settings, source: source.clone(), noise: String::new(), until };
+        if let Some(out) = self.out.take() {
+            match Journal::begin(out, &header) {
+                Ok(journal) => self.journal = Some(journal),
+                Err(error) => {
+                    let reason = format!("the record cannot be written: {error}");
+                    return self.end(Outcome::Failed, reason);
+                }
+            }
+        }
+        self.session = Some(Session::new(header.settings, source, until.unwrap_or(Phase::Objects)));
+        if self.plan.at_once {
+            self.intent(Intent::Run, 0.0);
+        }
+    }
+
+    fn health(&mut self, health: Health, now: f64) {
+        self.version += 1;
+        match health {
+            Health::Lost(why) => {
+                // Halt, latch, tell.
+                self.stop(now);
+                if let Some(command) = self.held.take() {
+                    self.not_begun(command.id, now);
+                }
+                self.remark(format!("link lost: {why}"), now);
+                if self.plan.at_once || self.session.is_none() {
+                    self.end(Outcome::Failed, format!("link lost: {why}"));
+                }
+            }
+            Health::Stale => self.remark("nothing heard from the robot for 0.5 s".to_owned(), now),
+            Health::Opening | Health::Up => {}
+        }
+    }
+
+    /// A command that never began has ended where the robot stood when it was last heard.
+    fn not_begun(&mut self, id: CommandId, now: f64) {
+        let (odometer, switches, bumper) = self.last;
+        let reason = DoneReason::Stopped;
+        self.telemetry(&Telemetry::Done { id, reason, odometer, switches, bumper }, now);
+    }
+
+    fn telemetry(&mut self, telemetry: &Telemetry, now: f64) {
+        let Some(session) = &mut self.session else { return };
+        match *telemetry {
+            Telemetry::Report { odometer, switches, bumper }
+            | Telemetry::Done { odometer, switches, bumper, .. } => {
+                self.last = (odometer, switches, bumper);
+            }
+            Telemetry::Edge(edge) => {
+                self.last.0 = edge.odometer;
+                self.last.1 = self.last.1.with(edge.sensor, edge.rising);
+            }
+        }
+        if let Some(journal) = &mut self.journal {
+            journal.telemetry(session.mission().tracker().time_us(), telemetry);
+        }
+        session.telemetry(telemetry, &mut self.outgoing);
+        self.deliver(now);
+    }
+
+    fn deliver(&mut self, now: f64) {
+        let Some(session) = &self.session else { return };
+        let time_us = session.mission().tracker().time_us();
+        let mut commands = Vec::new();
+        let mut stops = false;
+        for outgoing in std::mem::take(&mut self.outgoing) {
+            match (outgoing, &mut self.journal) {
+                (Outgoing::Command(command), journal) => {
+                    if let Some(journal) = journal {
+                        journal.command(time_us, &command);
+                    }
+                    commands.push(command);
+                }
+                (Outgoing::Stop, _) => stops = true,
+                (Outgoing::Event(event), Some(journal)) => journal.event(time_us, &event),
+                (Outgoing::PhaseEnded(phase), Some(journal)) => {
+                    let state = state_hash(session.mission().map());
+                    journal.phase_end(time_us, &PhaseEnd { phase, state });
+                }
+                (Outgoing::Event(_) | Outgoing::PhaseEnded(_), None) => {}
+            }
+        }
+        if stops {
+            self.host.stop(now);
+        }
+        if let Some(journal) = &mut self.journal {
+            // Written before the command leaves: what was sent is never unknown afterwards.
+            journal.flush();
+            if journal.error().is_some() {
+                self.host.stop(now);
+                return;
+            }
+        }
+        for command in commands {
+            if self.host.is_sound(now) {
+                self.host.send(command, now);
+            } else {
+                self.held = Some(command);
+            }
+        }
+        if stops && let Some(command) = self.held.take() {
+            self.not_begun(command.id, now);
+        }
+    }
+
+    /// The state for the screen; what is old says so.
+    #[must_use]
+    pub fn snapshot(&self, now: f64) -> Snapshot {
+        let Some(session) = &self.session else {
+            let mut waiting =
+                Snapshot::waiting(self.plan.settings.clone(), self.plan.port.clone());
+            if let Some(ending) = &self.ended {
+                waiting.source = format!("{}: {}", self.plan.port, ending.reason);
+            }
+            return waiting;
+        };
+        let mut snapshot = session.snapshot();
+        if self.host.health() != Health::Up
+            && let Known::Known(value) = snapshot.robot
+        {
+            snapshot.robot = Known::Stale { value, age: self.host.silence(now) };
+        }
+        snapshot
+    }
+
+    /// How the run ended; none while there is more to do.
+    #[must_use]
+    pub fn ending(&self) -> Option<Ending> {
+        let complete = |state: &Session| match state.run_state() {
+            RunState::Complete => Some((Outcome::Complete, "map complete".to_owned())),
+            RunState::Failed(Failure::Ended) => {
+                Some((Outcome::Stopped, Failure::Ended.to_string()))
+            }
+            RunState::Failed(why) => Some((Outcome::Failed, why.to_string())),
+            _ => None,
+        };
+        let over = self.session.as_ref().and_then(complete);
+        over.map(|(outcome, reason)| Ending { outcome, reason }).or_else(|| self.ended.clone())
+    }
+
+    /// Fixes the map for [`LiveRun::record`] and ends the record of the run.
+    ///
+    /// # Errors
+    /// When part of the record could not be written.
+    pub fn conclude(&mut self) -> std::io::Result<()> {
+        if let Some(session) = &self.session {
+            self.map = session.mission().map_now();
+        }
+        self.journal.take().map_or(Ok(()), |journal| journal.finish().map(|_| ()))
+    }
+
+    /// What there is to tell; none when the robot never said who it is.
+    #[must_use]
+    pub fn record<'a>(&'a self, ending: &'a Ending, wall_seconds: f64) -> Option<RunRecord<'a>> {
+        let session = self.session.as_ref()?;
+        let mission = session.mission();
+        Some(RunRecord {
+            map: &self.map,
+            settings: mission.settings(),
+            outcome: ending.outcome,
+            reason: &ending.reason,
+            world: &self.plan.port,
+            noise: "",
+            progress: *session.progress(),
+            laps: mission.laps(),
+            bumps: mission.bumps(),
+            contact: 0.0,
+            true_path: None,
+            wall_seconds,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

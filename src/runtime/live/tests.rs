@@ -1,0 +1,249 @@
+//! The whole run over a line that loses, bends, doubles and delays bytes, with a simulated robot at
+//! the other end; in virtual time.
+
+use super::*;
+use crate::firmware::{Device, STEP};
+use crate::simulator::{Body, NoiseProfile, World};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::VecDeque;
+
+/// What a line does to what is written to it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Faults {
+    drop: f64,
+    flip: f64,
+    double: f64,
+    /// Longest delay, seconds; pieces overtake each other only as bytes of a stream can: never.
+    delay: f64,
+    /// Mute between these instants.
+    mute: (f64, f64),
+}
+
+/// One direction of a faulty line.
+struct Way {
+    faults: Faults,
+    rng: ChaCha8Rng,
+    under_way: VecDeque<(f64, Vec<u8>)>,
+}
+
+impl Way {
+    fn new(faults: Faults, seed: u64) -> Self {
+        Self { faults, rng: ChaCha8Rng::seed_from_u64(seed), under_way: VecDeque::new() }
+    }
+
+    fn put(&mut self, bytes: &[u8], now: f64) {
+        let Faults { drop, flip, double, delay, mute } = self.faults;
+        // A line is lost whole or in part: pieces of a few bytes.
+        for piece in bytes.chunks(7) {
+            if (mute.0..mute.1).contains(&now) || self.rng.random::<f64>() < drop {
+                continue;
+            }
+            let mut piece = piece.to_vec();
+            if self.rng.random::<f64>() < flip {
+                let at = self.rng.random_range(0..piece.len());
+                piece[at] ^= 1 << self.rng.random_range(0..8);
+            }
+            if self.rng.random::<f64>() < double {
+                piece.extend_from_within(..);
+            }
+            let due = now + self.rng.random::<f64>() * delay;
+            let after = self.under_way.back().map_or(0.0, |(due, _)| *due);
+            self.under_way.push_back((due.max(after), piece));
+        }
+    }
+
+    fn take(&mut self, now: f64) -> Vec<u8> {
+        let mut out = Vec::new();
+        while self.under_way.front().is_some_and(|(due, _)| *due <= now) {
+            out.extend(self.under_way.pop_front().map(|(_, piece)| piece).unwrap_or_default());
+        }
+        out
+    }
+}
+
+/// A robot, a line and a host.
+struct Rig {
+    run: LiveRun<std::io::Sink>,
+    device: Device,
+    body: Body,
+    down: Way,
+    up: Way,
+    now: f64,
+    /// Seconds since the robot last had a good line, and metres it has moved beyond its watchdog.
+    host_dead: bool,
+}
+
+fn rig(faults: Faults, seed: u64, at_once: bool) -> Rig {
+    let text = include_str!("../../../sims/rectangle.toml");
+    let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+    let chassis = crate::robot::Chassis::default();
+    let plan = Plan {
+        settings: Settings::new(world.start),
+        port: "test".to_owned(),
+        until: Some(Phase::Boundary),
+        at_once,
+    };
+    Rig {
+        run: LiveRun::new(plan, Host::new(115_200, 7, 0.0), None),
+        device: Device::new(&chassis, "tin", 3, 1.0),
+        body: Body::new(&world, &chassis, NoiseProfile::None, seed),
+        down: Way::new(faults, seed * 2),
+        up: Way::new(faults, seed * 2 + 1),
+        now: 0.0,
+        host_dead: false,
+    }
+}
+
+impl Rig {
+    /// 10 ms of everybody's time.
+    fn step(&mut self) {
+        self.now += STEP / 2.0;
+        if !self.host_dead {
+            let up = self.up.take(self.now);
+            self.run.receive(&up, self.now);
+            self.run.tick(self.now);
+            let out = self.run.take_output();
+            self.down.put(&out, self.now);
+        }
+        let down = self.down.take(self.now);
+        if self.device.receive(&down, &self.body) {
+            self.body.begin_motion();
+        }
+        let even = ((self.now / STEP * 2.0).round() as u64).is_multiple_of(2);
+        if even {
+            self.device.step(&mut self.body, |_, _| {});
+            self.body.step(STEP);
+        }
+        let out = self.device.take_output();
+        self.up.put(&out, self.now);
+    }
+
+    fn until(&mut self, seconds: f64, done: impl Fn(&Self) -> bool) -> bool {
+        let end = self.now + seconds;
+        while self.now < end {
+            if done(self) {
+                return true;
+            }
+            self.step();
+        }
+        done(self)
+    }
+
+    fn speed(&mut self) -> f64 {
+        let before = self.body.true_pose();
+        for _ in 0..2 {
+            self.step();
+        }
+        let moved = self.body.true_pose().position - before.position;
+        moved.norm() / STEP
+    }
+}
+
+#[test]
+fn a_lap_over_a_good_line() {
+    let mut rig = rig(Faults::default(), 1, true);
+    assert!(rig.until(900.0, |rig| rig.run.ending().is_some()), "it goes on for ever");
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    let map = rig.run.session().expect("a session").mission().map();
+    assert!(map.closed);
+}
+
+#[test]
+fn a_lap_over_a_line_that_loses_and_bends_a_twentieth() {
+    for seed in 1..=4 {
+        let faults = Faults { drop: 0.02, flip: 0.02, double: 0.01, delay: 0.03, ..Faults::default() };
+        let mut rig = rig(faults, seed, true);
+        assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()), "seed {seed} hangs");
+        let ending = rig.run.ending().expect("an ending");
+        assert_eq!(ending.outcome, Outcome::Complete, "seed {seed}: {}", ending.reason);
+        let shape = rig.run.session().expect("a session").mission().map().clone();
+        assert!(shape.closed, "seed {seed}");
+    }
+}
+
+#[test]
+fn a_host_that_falls_silent_leaves_the_robot_standing() {
+    for at in [5.0, 20.0, 33.0, 47.0] {
+        let mut rig = rig(Faults::default(), 1, true);
+        rig.until(at, |_| false);
+        rig.host_dead = true;
+        let from = rig.body.true_pose().position;
+        rig.until(2.0, |_| false);
+        let went = (rig.body.true_pose().position - from).norm();
+        // 0.3 s of watchdog and braking from 0.2 m/s at 1 m/s².
+        assert!(went < 0.2 * 0.34 + 0.02, "{went} m after {at} s");
+        assert!(!rig.device.is_moving());
+        assert!(rig.speed() < 1e-9);
+    }
+}
+
+#[test]
+fn a_short_silence_is_an_ordinary_end_of_a_motion() {
+    let faults = Faults { mute: (20.0, 20.7), ..Faults::default() };
+    let mut rig = rig(faults, 1, true);
+    assert!(rig.until(900.0, |rig| rig.run.ending().is_some()));
+    assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Complete);
+}
+
+#[test]
+fn a_long_silence_latches_and_the_operator_goes_on() {
+    let faults = Faults { mute: (20.0, 24.0), ..Faults::default() };
+    let mut rig = rig(faults, 1, false);
+    assert!(rig.until(3.0, |rig| rig.run.session().is_some()));
+    let now = rig.now;
+    rig.run.intent(Intent::Run, now);
+    rig.until(22.5, |_| false);
+    let state = rig.run.session().expect("a session").run_state();
+    assert_eq!(state, RunState::Stopped, "the link was lost");
+    assert!(matches!(rig.run.snapshot(rig.now).robot, Known::Stale { .. }));
+    rig.until(6.0, |_| false);
+    assert_eq!(rig.run.host().health(), Health::Up, "the line came back");
+    assert!(rig.speed() < 1e-9, "it moved without a word of the operator");
+    let now = rig.now;
+    rig.run.intent(Intent::ClearStop, now);
+    rig.run.intent(Intent::Run, now);
+    assert!(rig.until(900.0, |rig| rig.run.ending().is_some()));
+    assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Complete);
+}
+
+#[test]
+fn a_stop_wins_whatever_the_line_does() {
+    for seed in 0..40 {
+        let faults = Faults { drop: 0.2, flip: 0.05, delay: 0.1, ..Faults::default() };
+        let mut rig = rig(faults, seed, false);
+        rig.until(10.0, |rig| rig.run.session().is_some());
+        if rig.run.session().is_none() {
+            continue;
+        }
+        let now = rig.now;
+        rig.run.intent(Intent::Run, now);
+        rig.until(1.0 + seed as f64 * 0.37, |_| false);
+        let now = rig.now;
+        rig.run.intent(Intent::Stop, now);
+        rig.until(1.5, |_| false);
+        assert!(rig.speed() < 1e-9, "seed {seed} still moves");
+        assert!(!rig.device.is_moving(), "seed {seed}");
+    }
+}
+
+#[test]
+fn a_robot_that_was_started_again_is_not_believed() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.until(30.0, |_| false);
+    rig.device = Device::new(&crate::robot::Chassis::default(), "tin", 4, 1.0);
+    assert!(rig.until(5.0, |rig| rig.run.ending().is_some()));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Failed);
+    assert!(ending.reason.contains("started again"), "{}", ending.reason);
+    rig.until(1.0, |_| false);
+    assert!(!rig.device.is_moving());
+}
+
+#[test]
+fn nobody_there_is_said() {
+    let mut rig = rig(Faults { drop: 1.0, ..Faults::default() }, 1, true);
+    assert!(rig.until(6.0, |rig| rig.run.ending().is_some()));
+    assert!(rig.run.ending().expect("an ending").reason.contains("switched on"));
+}

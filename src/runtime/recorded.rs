@@ -1,0 +1,181 @@
+//! The console's driver over a record: the operator's keys steer the playback, not the run. Nothing
+//! moves; a stop pauses the picture.
+
+use crate::console::driver::Driver;
+use crate::robot::Intent;
+use crate::session::replay::{Landmark, Replay};
+use crate::session::{RunState, Snapshot};
+use std::path::Path;
+
+/// A recorded run under an operator's hands.
+pub struct RecordedDriver {
+    replay: Replay,
+    /// Instant of the playback, robot seconds.
+    at: f64,
+    playing: bool,
+    version: u64,
+}
+
+impl RecordedDriver {
+    /// Shows `replay` from where it stands, paused.
+    #[must_use]
+    pub fn new(mut replay: Replay) -> Self {
+        // The greeting and the first wish happened at nought: without them there is no robot to see.
+        replay.advance_to(0.0);
+        Self { replay, at: 0.0, playing: false, version: 0 }
+    }
+
+    /// The replay, for what it found.
+    #[must_use]
+    pub fn replay(&self) -> &Replay {
+        &self.replay
+    }
+
+    fn step(&mut self, until: Landmark) {
+        self.playing = false;
+        self.replay.advance_until(until);
+        self.at = self.replay.session().mission().tracker().time_us() as f64 * 1e-6;
+    }
+}
+
+impl Driver for RecordedDriver {
+    fn snapshot(&self) -> Snapshot {
+        let mut snapshot = self.replay.session().snapshot();
+        let (at, all) = (self.at.min(self.replay.duration()), self.replay.duration());
+        let sound = self.replay.difference().map_or("", |_| ", DIFFERS FROM THE RUN");
+        snapshot.source = format!("replay {at:.0}/{all:.0} s of {}{sound}", snapshot.source);
+        if !self.playing && !self.replay.is_complete() {
+            snapshot.run = RunState::Paused;
+        }
+        snapshot
+    }
+
+    fn version(&self) -> u64 {
+        self.replay.session().version() + self.version
+    }
+
+    fn intent(&mut self, intent: Intent) {
+        self.version += 1;
+        match intent {
+            Intent::Run => self.playing = true,
+            Intent::Pause | Intent::Stop | Intent::Finish => self.playing = false,
+            Intent::StepCommand => self.step(Landmark::Command),
+            Intent::StepEvent => self.step(Landmark::Event),
+            Intent::StepPhase => self.step(Landmark::PhaseEnd),
+            Intent::ClearStop | Intent::SetAlpha { .. } => {}
+        }
+    }
+
+    fn advance(&mut self, seconds: f64) {
+        if !self.playing {
+            return;
+        }
+        self.at += seconds;
+        self.replay.advance_to(self.at);
+        if self.replay.is_over() {
+            self.playing = false;
+            self.version += 1;
+        }
+    }
+
+    fn export(&mut self, _dir: &Path) -> Result<String, String> {
+        Err("a replay is not written again; `periplus export DIR` has the run's results".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::reader::parse;
+    use crate::journal::{Entry, Header, Journal, Recording};
+    use crate::mapping::settings::Settings;
+    use crate::robot::Telemetry;
+    use crate::runtime::simulated::{Headless, SimulatedRun};
+    use crate::runtime::{Runner, Step};
+    use crate::simulator::{NoiseProfile, World};
+    use std::path::PathBuf;
+
+    /// The record of a whole run of a small room with noise.
+    fn record() -> Vec<u8> {
+        let text = include_str!("../../sims/rectangle.toml");
+        let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+        let settings = Settings { seed: 4, ..Settings::new(world.start) };
+        let header =
+            Header { settings, source: "rectangle".to_owned(), noise: String::new(), until: None };
+        let bytes = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
+        let journal = Journal::begin(Shared(bytes.clone()), &header).expect("memory");
+        let run = SimulatedRun::new(&world, header, NoiseProfile::Calibrated, Some(journal));
+        let mut headless = Headless::new(run);
+        while headless.step() == Step::Going {}
+        headless.finish_journal().expect("memory");
+        bytes.take()
+    }
+
+    struct Shared(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
+
+    impl std::io::Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.borrow_mut().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn read(bytes: &[u8]) -> Recording {
+        parse(&PathBuf::from("record"), bytes).expect("a record")
+    }
+
+    #[test]
+    fn a_replay_goes_the_way_of_its_run_and_notices_when_it_does_not() {
+        let bytes = record();
+        let recording = read(&bytes);
+        let mut replay = Replay::new(recording.clone());
+        replay.finish();
+        assert_eq!(replay.difference(), None);
+        assert_eq!(replay.ends().len(), 4, "four phases ended");
+        assert!(replay.is_complete());
+
+        let mut bent = recording;
+        let at = bent.records.len() / 2;
+        let telemetry = bent.records[at..].iter_mut().find_map(|record| match &mut record.entry {
+            Entry::Telemetry(Telemetry::Report { odometer, .. }) => Some(odometer),
+            _ => None,
+        });
+        telemetry.expect("a report").left_ticks += 40;
+        let mut replay = Replay::new(bent);
+        replay.finish();
+        assert!(replay.difference().is_some(), "another way of the robot went unnoticed");
+    }
+
+    #[test]
+    fn a_record_that_was_cut_off_replays_up_to_there() {
+        let bytes = record();
+        for share in [0.1, 0.35, 0.62, 0.97] {
+            let cut = (bytes.len() as f64 * share) as usize;
+            let mut replay = Replay::new(read(&bytes[..cut]));
+            replay.finish();
+            assert_eq!(replay.difference(), None, "cut at {cut}");
+            assert!(!replay.is_complete());
+        }
+    }
+
+    #[test]
+    fn keys_steer_the_playback() {
+        let mut driver = RecordedDriver::new(Replay::new(read(&record())));
+        driver.advance(10.0);
+        assert_eq!(driver.snapshot().time, 0.0, "paused at first");
+        driver.intent(Intent::StepPhase);
+        assert!(driver.snapshot().progress[0].done);
+        let before = driver.snapshot().time;
+        driver.intent(Intent::Run);
+        driver.advance(30.0);
+        let played = driver.snapshot().time - before;
+        assert!((29.0..31.0).contains(&played), "{played}");
+        driver.intent(Intent::Stop);
+        driver.advance(30.0);
+        assert!(driver.snapshot().time < before + 31.0);
+    }
+}

@@ -1,0 +1,520 @@
+//! The host's end of the line as a state machine: who the robot is, whether it is there, commands
+//! until they are acknowledged, events in order and each once. It is told the time and given bytes;
+//! it says what to write and what was heard. No I/O, no clock.
+
+use super::frame::{Decoder, Item, STOP, seal};
+use super::message::{FromRobot, ToRobot, VERSION};
+use crate::robot::{Chassis, Command, CommandId, SensorMount, Telemetry};
+
+/// A host that is there says so this often, seconds.
+const PING: f64 = 0.1;
+/// The robot is asked who it is this often, seconds.
+const HELLO: f64 = 0.25;
+/// A board that restarts when its port is opened answers within this, seconds.
+const BOOT: f64 = 3.5;
+/// With a motion in hand, proximity data older than this stop it, seconds.
+const BLIND: f64 = 0.3;
+/// A line that was silent for this long is stale, seconds.
+const STALE: f64 = 0.5;
+/// ... and lost after this.
+const LOST: f64 = 1.5;
+/// An answer is waited for this long, besides the time the bytes take, seconds.
+const ANSWER: f64 = 0.05;
+/// The wait for an answer doubles so many times, and stays so.
+const DOUBLINGS: u32 = 3;
+/// A command that is not acknowledged for this long although the line is there is given up, seconds.
+const UNANSWERED: f64 = 3.0;
+/// A motion must have ended this long after its own limit, seconds.
+const OVERDUE: f64 = 3.0;
+/// A line is believed in again when it was clean for this long, seconds.
+const CLEAN: f64 = 0.5;
+/// What began before a stop has ended, and said so, this long after it, seconds.
+const UNDOUBTED: f64 = 1.0;
+/// Bytes of the longest command and its acknowledgement.
+const EXCHANGE: f64 = 60.0;
+/// Stops are numbered from here: commands never get so far.
+const FIRST_STOP: u32 = 1 << 31;
+
+/// Whether the robot is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Health {
+    /// It has not said yet who it is.
+    Opening,
+    /// It is there.
+    Up,
+    /// Nothing was heard for half a second.
+    Stale,
+    /// It is gone; nothing is sent but the question whether it is back.
+    Lost(Loss),
+}
+
+/// Why a link is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Loss {
+    /// Nobody answered when the port was opened.
+    #[error("no answer from the robot: is it switched on, and is the baud rate right?")]
+    NoAnswer,
+    /// It speaks another version of the protocol.
+    #[error("the robot speaks another version of the protocol")]
+    Version,
+    /// Nothing was heard for too long.
+    #[error("nothing heard from the robot for 1.5 s")]
+    Silent,
+    /// A command was not acknowledged.
+    #[error("the robot does not acknowledge commands")]
+    Unacknowledged,
+    /// A motion never ended.
+    #[error("a motion did not end although its time was up")]
+    Endless,
+    /// The port is gone.
+    #[error("the port was closed or unplugged")]
+    Unplugged,
+}
+
+/// Who the robot is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identity {
+    /// Its name.
+    pub name: String,
+    /// Another one after every start.
+    pub boot: u32,
+    /// Its body with its switches.
+    pub chassis: Chassis,
+}
+
+/// What the host learns from the line.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Heard {
+    /// The robot said who it is, for the first time or again.
+    Hello(Box<Identity>),
+    /// It is another robot than before, or it was started again: ticks count from elsewhere.
+    Rebooted,
+    /// Telemetry, in order and each once.
+    Telemetry(Telemetry),
+    /// The link is better or worse than before.
+    Health(Health),
+    /// A command was refused, in the robot's words.
+    Refused(CommandId, String),
+    /// A command that was not acknowledged before a stop was never begun.
+    NotBegun(CommandId),
+}
+
+/// Something that was sent and has not been acknowledged.
+#[derive(Debug, Clone)]
+struct Pending {
+    seq: u32,
+    line: Vec<u8>,
+    due: f64,
+    wait: f64,
+    tries: u32,
+    since: f64,
+}
+
+/// Who the robot is, as far as it has said.
+#[derive(Debug, Clone, Default)]
+struct Introduction {
+    hello: Option<(u32, usize, String)>,
+    body: Option<Chassis>,
+    switches: Vec<Option<SensorMount>>,
+}
+
+impl Introduction {
+    fn complete(&self) -> Option<Identity> {
+        let (boot, count, name) = self.hello.clone()?;
+        let sensors: Option<Vec<SensorMount>> =
+            (0..count).map(|index| self.switches.get(index).cloned().flatten()).collect();
+        Some(Identity { name, boot, chassis: Chassis { sensors: sensors?, ..self.body.clone()? } })
+    }
+}
+
+/// The host's end.
+#[derive(Debug, Clone)]
+pub struct Host {
+    session: u32,
+    byte_time: f64,
+    decoder: Decoder,
+    introduction: Introduction,
+    identity: Option<Identity>,
+    health: Health,
+    opened: f64,
+    heard: f64,
+    clean: f64,
+    hello_due: f64,
+    ping_due: f64,
+    pings: u32,
+    pinged: Option<(u32, f64)>,
+    latency: f64,
+    command: Option<Pending>,
+    stop: Option<Pending>,
+    stops: u32,
+    /// The motion that the robot is believed to be in, and when it must be over.
+    motion: Option<(CommandId, f64)>,
+    halted: bool,
+    /// A command that a stop overtook before it was acknowledged: nobody knows whether it began.
+    doubt: Option<CommandId>,
+    /// When the last stop was acknowledged.
+    quiet: f64,
+    event: u32,
+    time_us: u64,
+    garbled: u64,
+    urgent: Vec<u8>,
+    out: Vec<u8>,
+}
+
+impl Host {
+    /// A line at `baud` (0 for what is no serial line and takes no time), opened at `now` (seconds of
+    /// any clock that never goes back). `session` tells this conversation from earlier ones.
+    #[must_use]
+    pub fn new(baud: u32, session: u32, now: f64) -> Self {
+        Self {
+            session,
+            byte_time: if baud == 0 { 0.0 } else { 10.0 / f64::from(baud) },
+            decoder: Decoder::default(),
+            introduction: Introduction::default(),
+            identity: None,
+            health: Health::Opening,
+            opened: now,
+            heard: now,
+            clean: now,
+            hello_due: now,
+            ping_due: now,
+            pings: 0,
+            pinged: None,
+            latency: 0.0,
+            command: None,
+            stop: None,
+            stops: FIRST_STOP,
+            motion: None,
+            halted: false,
+            doubt: None,
+            quiet: now,
+            event: 0,
+            time_us: 0,
+            garbled: 0,
+            urgent: Vec::new(),
+            out: Vec::new(),
+        }
+    }
+
+    /// The port was opened anew; what the robot said before still counts.
+    pub fn reopened(&mut self, now: f64) {
+        self.decoder = Decoder::default();
+        self.introduction = Introduction::default();
+        self.put_in_doubt();
+        self.pinged = None;
+        (self.opened, self.heard, self.clean) = (now, now, now);
+        (self.hello_due, self.ping_due) = (now, now);
+        self.out.clear();
+        self.urgent.clear();
+        self.health = Health::Opening;
+    }
+
+    /// Whether the robot is there.
+    #[must_use]
+    pub fn health(&self) -> Health {
+        self.health
+    }
+
+    /// Who the robot is, once it has said so.
+    #[must_use]
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
+    /// Whether motions may be sent: the line was clean for a while.
+    #[must_use]
+    pub fn is_sound(&self, now: f64) -> bool {
+        self.health == Health::Up && now - self.clean >= CLEAN
+    }
+
+    /// Seconds since a good line came.
+    #[must_use]
+    pub fn silence(&self, now: f64) -> f64 {
+        now - self.heard
+    }
+
+    /// Seconds that an answer takes, as measured.
+    #[must_use]
+    pub fn latency(&self) -> f64 {
+        self.latency
+    }
+
+    /// Lines that could not be read so far.
+    #[must_use]
+    pub fn garbled(&self) -> u64 {
+        self.garbled
+    }
+
+    /// What is to be written now, stops before everything else.
+    pub fn take_output(&mut self) -> Vec<u8> {
+        let mut bytes = std::mem::take(&mut self.urgent);
+        bytes.append(&mut self.out);
+        bytes
+    }
+
+    /// Sends a motion, until it is acknowledged.
+    pub fn send(&mut self, command: Command, now: f64) {
+        let wait = self.answer_time();
+        let mut line = Vec::new();
+        seal(&ToRobot::Command(command).to_string(), &mut line);
+        self.out.extend_from_slice(&line);
+        self.halted = false;
+        self.motion = Some((command.id, now + command.time_limit + OVERDUE));
+        self.command = Some(Pending { seq: command.id.0, line, due: now + wait, wait, tries: 1, since: now });
+    }
+
+    /// Stops the robot: the byte that stops before everything else, and a stop that is answered.
+    pub fn stop(&mut self, now: f64) {
+        self.stops = self.stops.wrapping_add(1).max(FIRST_STOP);
+        let seq = self.stops;
+        let wait = self.answer_time();
+        // What was not acknowledged yet must not begin after the stop.
+        self.put_in_doubt();
+        let mut line = vec![STOP];
+        seal(&ToRobot::Stop { seq }.to_string(), &mut line);
+        self.out.clear();
+        self.urgent.extend_from_slice(&line);
+        self.stop = Some(Pending { seq, line, due: now + wait, wait, tries: 1, since: now });
+    }
+
+    /// How long an answer may take: more than the slowest exchange on this line does.
+    fn answer_time(&self) -> f64 {
+        ANSWER + 3.0 * EXCHANGE * self.byte_time + 2.0 * self.latency
+    }
+
+    /// The port is gone.
+    pub fn unplugged(&mut self, told: &mut Vec<Heard>) {
+        self.lose(Loss::Unplugged, told);
+    }
+
+    fn lose(&mut self, why: Loss, told: &mut Vec<Heard>) {
+        if !matches!(self.health, Health::Lost(_)) {
+            self.put_in_doubt();
+            self.out.clear();
+            self.turn(Health::Lost(why), told);
+        }
+    }
+
+    fn put_in_doubt(&mut self) {
+        if let Some(pending) = self.command.take() {
+            self.doubt = Some(CommandId(pending.seq));
+        }
+    }
+
+    fn turn(&mut self, health: Health, told: &mut Vec<Heard>) {
+        if self.health != health {
+            self.health = health;
+            told.push(Heard::Health(health));
+        }
+    }
+
+    /// Takes what came over the line.
+    pub fn receive(&mut self, bytes: &[u8], now: f64, told: &mut Vec<Heard>) {
+        for &byte in bytes {
+            match self.decoder.push(byte) {
+                None | Some(Item::Stop) => {}
+                Some(Item::Garbled) => {
+                    self.garbled += 1;
+                    self.clean = now;
+                }
+                Some(Item::Body(body)) => {
+                    if let Some(message) = FromRobot::parse(&body) {
+                        self.heard = now;
+                        self.message(message, now, told);
+                    }
+                }
+            }
+        }
+    }
+
+    fn message(&mut self, message: FromRobot, now: f64, told: &mut Vec<Heard>) {
+        match message {
+            FromRobot::Hello { version, boot, switches, name, .. } => {
+                if version != VERSION {
+                    return self.lose(Loss::Version, told);
+                }
+                let known = self.introduction.hello.as_ref().map(|(boot, ..)| *boot);
+                if known.is_some_and(|known| known != boot) {
+                    self.introduction = Introduction::default();
+                }
+                self.introduction.hello = Some((boot, switches, name));
+                self.introduced(now, told);
+            }
+            FromRobot::Body(chassis) => {
+                self.introduction.body = Some(chassis);
+                self.introduced(now, told);
+            }
+            FromRobot::Switch { index, mount } => {
+                let switches = &mut self.introduction.switches;
+                switches.resize(switches.len().max(index + 1), None);
+                switches[index] = Some(mount);
+                self.introduced(now, told);
+            }
+            FromRobot::Acknowledge { seq } => {
+                let is = |pending: &Option<Pending>| pending.as_ref().is_some_and(|p| p.seq == seq);
+                if is(&self.command) {
+                    self.command = None;
+                } else if is(&self.stop) {
+                    self.stop = None;
+                    self.quiet = now;
+                }
+            }
+            FromRobot::Refuse { seq, why } => {
+                if self.command.as_ref().is_some_and(|pending| pending.seq == seq) {
+                    self.command = None;
+                    self.motion = None;
+                    told.push(Heard::Refused(CommandId(seq), why));
+                }
+            }
+            FromRobot::Pong { number } => {
+                if let Some((_, sent)) = self.pinged.take_if(|(sent, _)| *sent == number) {
+                    self.latency += 0.2 * ((now - sent).min(2.0) - self.latency);
+                }
+            }
+            FromRobot::Report { odometer, switches, bumper, event, .. } => {
+                // One from before a restart, or one from after it: who is there?
+                if event < self.event {
+                    self.hello_due = self.hello_due.min(now);
+                }
+                if event == self.event && odometer.time_us >= self.time_us && self.is_open() {
+                    self.time_us = odometer.time_us;
+                    told.push(Heard::Telemetry(Telemetry::Report { odometer, switches, bumper }));
+                }
+            }
+            FromRobot::Event { event, telemetry } => {
+                if event == self.event.wrapping_add(1) && self.is_open() {
+                    self.event = event;
+                    if let Telemetry::Done { id, .. } = telemetry {
+                        self.motion.take_if(|(motion, _)| *motion == id);
+                        // It ended, so it was taken, whatever became of the acknowledgement.
+                        self.command.take_if(|pending| pending.seq == id.0);
+                        self.doubt.take_if(|doubted| *doubted == id);
+                    }
+                    told.push(Heard::Telemetry(telemetry));
+                }
+            }
+        }
+    }
+
+    /// Telemetry means something: the robot is known.
+    fn is_open(&self) -> bool {
+        self.identity.is_some() && matches!(self.health, Health::Up | Health::Stale)
+    }
+
+    fn introduced(&mut self, now: f64, told: &mut Vec<Heard>) {
+        let Some(identity) = self.introduction.complete() else { return };
+        let before = self.identity.as_ref().map(|known| known.boot);
+        if before == Some(identity.boot) && self.is_open() {
+            return;
+        }
+        if before.is_some_and(|boot| boot != identity.boot) {
+            (self.event, self.time_us, self.motion) = (0, 0, None);
+            (self.command, self.stop, self.doubt) = (None, None, None);
+            told.push(Heard::Rebooted);
+        }
+        self.identity = Some(identity.clone());
+        self.clean = now;
+        self.ping_due = now;
+        told.push(Heard::Hello(Box::new(identity)));
+        self.turn(Health::Up, told);
+    }
+
+    /// Lets the time pass: what is due is said again, and who is silent is noticed. To be called
+    /// every few milliseconds, from the loop that decides: a host that hangs falls silent.
+    pub fn tick(&mut self, now: f64, told: &mut Vec<Heard>) {
+        if self.health == Health::Lost(Loss::Unplugged) {
+            return;
+        }
+        if now >= self.hello_due {
+            let hello = ToRobot::Hello { version: VERSION, session: self.session };
+            seal(&hello.to_string(), &mut self.out);
+            self.hello_due = now + HELLO;
+        }
+        if self.is_open() && self.hello_due.is_finite() {
+            self.hello_due = f64::INFINITY;
+        } else if !self.is_open() && self.hello_due.is_infinite() {
+            self.hello_due = now;
+        }
+        match self.health {
+            Health::Opening => {
+                if now - self.opened > BOOT {
+                    self.lose(Loss::NoAnswer, told);
+                }
+            }
+            Health::Up | Health::Stale => self.watch(now, told),
+            Health::Lost(_) => {}
+        }
+        self.resend_stop(now);
+    }
+
+    fn watch(&mut self, now: f64, told: &mut Vec<Heard>) {
+        let silence = now - self.heard;
+        if silence > LOST {
+            return self.lose(Loss::Silent, told);
+        }
+        self.turn(if silence > STALE { Health::Stale } else { Health::Up }, told);
+        if silence > STALE {
+            self.clean = now;
+        }
+        if now >= self.ping_due {
+            self.pings = self.pings.wrapping_add(1);
+            let ping = ToRobot::Ping { number: self.pings, event: self.event };
+            seal(&ping.to_string(), &mut self.out);
+            self.pinged = self.pinged.or(Some((self.pings, now)));
+            if self.pinged.is_some_and(|(_, sent)| now - sent > 1.0) {
+                self.pinged = None;
+            }
+            self.ping_due = now + PING;
+        }
+        if self.stop.is_none() && now - self.quiet > UNDOUBTED && silence < PING * 3.0 {
+            // Its end would have come by now.
+            if let Some(id) = self.doubt.take() {
+                self.motion = None;
+                told.push(Heard::NotBegun(id));
+            }
+        }
+        if let Some((_, over)) = self.motion {
+            if silence > BLIND && !self.halted {
+                self.halted = true;
+                self.stop(now);
+            }
+            if now > over {
+                self.stop(now);
+                return self.lose(Loss::Endless, told);
+            }
+        }
+        if let Some(pending) = &mut self.command
+            && now >= pending.due
+        {
+            if now - pending.since > UNANSWERED {
+                self.stop(now);
+                return self.lose(Loss::Unacknowledged, told);
+            }
+            pending.again(now);
+            self.out.extend_from_slice(&pending.line);
+        }
+    }
+
+    /// A stop is repeated until it is acknowledged or the port is gone.
+    fn resend_stop(&mut self, now: f64) {
+        if let Some(pending) = &mut self.stop
+            && now >= pending.due
+        {
+            pending.again(now);
+            self.urgent.extend_from_slice(&pending.line);
+        }
+    }
+}
+
+impl Pending {
+    fn again(&mut self, now: f64) {
+        self.tries += 1;
+        if self.tries <= DOUBLINGS + 1 {
+            self.wait *= 2.0;
+        }
+        self.due = now + self.wait;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -20,8 +20,8 @@ const STALE: f64 = 0.5;
 const LOST: f64 = 1.5;
 /// An answer is waited for this long, besides the time the bytes take, seconds.
 const ANSWER: f64 = 0.05;
-/// The wait for an answer doubles so many times, and stays so.
-const DOUBLINGS: u32 = 3;
+/// The wait for an answer doubles until it is this long, seconds.
+const LONGEST_WAIT: f64 = 0.4;
 /// A command that is not acknowledged for this long although the line is there is given up, seconds.
 const UNANSWERED: f64 = 3.0;
 /// A motion must have ended this long after its own limit, seconds.
@@ -106,7 +106,6 @@ struct Pending {
     line: Vec<u8>,
     due: f64,
     wait: f64,
-    tries: u32,
     since: f64,
 }
 
@@ -260,7 +259,7 @@ impl Host {
         self.out.extend_from_slice(&line);
         self.halted = false;
         self.motion = Some((command.id, now + command.time_limit + OVERDUE));
-        self.command = Some(Pending { seq: command.id.0, line, due: now + wait, wait, tries: 1, since: now });
+        self.command = Some(Pending { seq: command.id.0, line, due: now + wait, wait, since: now });
     }
 
     /// Stops the robot: the byte that stops before everything else, and a stop that is answered.
@@ -274,7 +273,7 @@ impl Host {
         seal(&ToRobot::Stop { seq }.to_string(), &mut line);
         self.out.clear();
         self.urgent.extend_from_slice(&line);
-        self.stop = Some(Pending { seq, line, due: now + wait, wait, tries: 1, since: now });
+        self.stop = Some(Pending { seq, line, due: now + wait, wait, since: now });
     }
 
     /// How long an answer may take: more than the slowest exchange on this line does.
@@ -486,7 +485,7 @@ impl Host {
         if let Some(pending) = &mut self.command
             && now >= pending.due
         {
-            if now - pending.since > UNANSWERED {
+            if now - pending.since > UNANSWERED + 10.0 * self.latency {
                 self.stop(now);
                 return self.lose(Loss::Unacknowledged, told);
             }
@@ -508,10 +507,7 @@ impl Host {
 
 impl Pending {
     fn again(&mut self, now: f64) {
-        self.tries += 1;
-        if self.tries <= DOUBLINGS + 1 {
-            self.wait *= 2.0;
-        }
+        self.wait = (self.wait * 2.0).min(self.wait.max(LONGEST_WAIT));
         self.due = now + self.wait;
     }
 }

@@ -49,6 +49,8 @@ pub enum Command {
     Check(CheckArgs),
     /// List serial ports
     Ports,
+    /// Print the wire protocol, from which a robot can be built
+    Protocol,
 }
 
 /// Where the robot is: simulated in a world, or behind a port.
@@ -207,22 +209,6 @@ pub struct CheckArgs {
     /// Worlds and keymaps
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-}
-
-impl RobotChoice {
-    /// The world file that was named, if any.
-    ///
-    /// # Errors
-    /// When a port was named: this version drives the simulator only.
-    pub fn world(&self) -> Result<Option<PathBuf>, ArgumentError> {
-        if self.port.is_some() {
-            return Err(ArgumentError::absent(
-                "--port",
-                "real robots cannot be driven yet; give --world FILE",
-            ));
-        }
-        Ok(self.world.clone())
-    }
 }
 
 #[cfg(test)]

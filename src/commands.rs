@@ -7,12 +7,13 @@ pub mod error;
 pub mod export;
 pub mod glue;
 pub mod output;
+pub mod real;
 pub mod run;
 pub mod world;
 
 pub use error::CommandError;
 
-use crate::cli::{ArgumentError, Cli, Command, ConsoleArgs, ReplayArgs, SnapshotArgs};
+use crate::cli::{Cli, Command, ConsoleArgs, ReplayArgs, SnapshotArgs};
 use std::io::IsTerminal;
 
 /// Does what the command line says and gives the exit status.
@@ -26,14 +27,9 @@ pub fn dispatch(cli: Cli) -> u8 {
         Some(Command::Snapshot(args)) => snapshot(&args),
         Some(Command::Export(args)) => export::export(&args),
         Some(Command::Check(args)) => check::check(&args),
-        Some(Command::Robot(_)) => Err(absent(
-            "`periplus robot`",
-            "the simulated robot runs inside the console and `periplus run` only",
-        )),
-        Some(Command::Ports) => Err(absent(
-            "`periplus ports`",
-            "real robots cannot be driven yet, so no port is looked at",
-        )),
+        Some(Command::Robot(args)) => real::robot(&args),
+        Some(Command::Ports) => real::ports(),
+        Some(Command::Protocol) => output::print(crate::wire::PROTOCOL).map(|()| 0),
     };
     match result {
         Ok(status) => status,
@@ -45,15 +41,15 @@ pub fn dispatch(cli: Cli) -> u8 {
     }
 }
 
-fn absent(what: &'static str, instead: &'static str) -> CommandError {
-    ArgumentError::absent(what, instead).into()
-}
-
 fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
-    let world = args.robot.world()?.or(places.world);
+    let keys = args.keymap.or(places.keymap);
     needs_terminal()?;
-    glue::console(world.as_deref(), args.keymap.or(places.keymap).as_deref(), &common)
+    if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
+        return real::console(&address, glue::keymap(keys.as_deref())?, &common);
+    }
+    let world = args.robot.world.or(places.world);
+    glue::console(world.as_deref(), keys.as_deref(), &common)
 }
 
 fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {

@@ -1,4 +1,6 @@
 //! The links to a robot: something that takes commands and yields telemetry.
 
+pub mod port;
 pub mod simulated;
+pub use port::{Address, PortError, RobotEnd, Stream};
 pub use simulated::SimulatedLink;

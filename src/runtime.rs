@@ -4,9 +4,11 @@
 pub mod clock;
 pub mod driver;
 pub mod folder;
+pub mod line;
 pub mod live;
 pub mod progress;
 pub mod recorded;
+pub mod robot;
 pub mod signals;
 pub mod simulated;
 

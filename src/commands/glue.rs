@@ -48,7 +48,7 @@ fn world_or_demo(world: Option<&Path>, common: &Common) -> Result<World, Command
     }
 }
 
-fn keymap(path: Option<&Path>) -> Result<Keymap, CommandError> {
+pub(super) fn keymap(path: Option<&Path>) -> Result<Keymap, CommandError> {
     let Some(path) = path else {
         return Ok(Keymap::default());
     };
@@ -90,7 +90,7 @@ pub fn console(
 }
 
 /// Hands `driver` to the operator until the console is left.
-fn on_screen(
+pub(super) fn on_screen(
     driver: &mut dyn Driver,
     keymap: Keymap,
 ) -> Result<Result<app::Ending, app::ConsoleError>, CommandError> {
@@ -103,7 +103,7 @@ fn on_screen(
 }
 
 /// Exit status after the console was left; `status` when it was left in peace.
-fn status_of(ended: Result<app::Ending, app::ConsoleError>, status: u8) -> u8 {
+pub(super) fn status_of(ended: Result<app::Ending, app::ConsoleError>, status: u8) -> u8 {
     match ended {
         Ok(app::Ending::Quit) => status,
         Ok(app::Ending::Signal(number)) => 128 + number,
@@ -115,7 +115,7 @@ fn status_of(ended: Result<app::Ending, app::ConsoleError>, status: u8) -> u8 {
 }
 
 /// A fresh folder under the XDG state folder.
-fn state_folder() -> Result<PathBuf, CommandError> {
+pub(super) fn state_folder() -> Result<PathBuf, CommandError> {
     let home = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from).or_else(|| {
         std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local").join("state"))
     });

@@ -1,6 +1,6 @@
 //! `periplus run`: a whole run without a terminal.
 
-use super::{CommandError, glue, output, world};
+use super::{CommandError, glue, output, real, world};
 use crate::cli::{ArgumentError, RunArgs};
 use crate::journal::{Header, Journal};
 use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
@@ -13,14 +13,13 @@ use std::path::Path;
 pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
-    if places.port.is_some() {
-        return Err(ArgumentError::absent("`port`", "give a world instead").into());
-    }
-    let world = args.robot.world()?.or(places.world);
-    let world = world.ok_or_else(|| missing("--world FILE"))?;
     let out = common.out.clone().ok_or_else(|| missing("--out DIR"))?;
     OutputFolder::refuse_taken(&out)?;
-
+    if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
+        return real::run(&address, &common, until, &out);
+    }
+    let world = args.robot.world.or(places.world);
+    let world = world.ok_or_else(|| missing("--world FILE or --port DEVICE"))?;
     let world = world::load(&world, &common)?;
     let noise = common.noise.unwrap_or_default();
     let header = Header {

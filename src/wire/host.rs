@@ -226,6 +226,12 @@ impl Host {
         self.health == Health::Up && now - self.clean >= CLEAN
     }
 
+    /// Whether every stop was acknowledged and no motion is in hand.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.stop.is_none() && self.motion.is_none() && self.urgent.is_empty()
+    }
+
     /// Seconds since a good line came.
     #[must_use]
     pub fn silence(&self, now: f64) -> f64 {

@@ -1,0 +1,248 @@
+//! The commands that reach for a port: `run --port`, `console --port`, `robot` and `ports`.
+
+use super::{CommandError, glue, output, world};
+use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
+use crate::console::Keymap;
+use crate::console::driver::Driver;
+use crate::firmware::Device;
+use crate::geometry::Pose;
+use crate::link::{Address, RobotEnd, port};
+use crate::mapping::map::Phase;
+use crate::robot::Intent;
+use crate::runtime::line::Line;
+use crate::runtime::live::{LiveRun, Plan};
+use crate::runtime::progress::Bar;
+use crate::runtime::robot::SimulatedRobot;
+use crate::runtime::{Driven, Ending, OutputFolder, Progress, Signals, Stopwatch};
+use crate::session::Snapshot;
+use crate::simulator::Body;
+use std::fs::File;
+use std::path::Path;
+use std::time::Duration;
+
+/// The port that was asked for, if one was.
+///
+/// # Errors
+/// When it is no port's name.
+pub fn address(
+    choice: &RobotChoice,
+    configured: Option<&str>,
+) -> Result<Option<Address>, CommandError> {
+    let Some(text) = choice.port.as_deref().or(configured.filter(|_| choice.world.is_none())) else {
+        return Ok(None);
+    };
+    let address: Address = text.parse().map_err(|why| CommandError::Input(format!("--port {why}")))?;
+    Ok(Some(address.at_baud(choice.baud)))
+}
+
+/// Opens the port over a fresh folder.
+fn open(
+    address: &Address,
+    common: &Common,
+    until: Option<Phase>,
+    at_once: bool,
+    out: &Path,
+) -> Result<(Line, OutputFolder), CommandError> {
+    OutputFolder::refuse_taken(out)?;
+    let settings = common.settings(Pose::new(0.0, 0.0, 0.0), common.body()?);
+    let plan = Plan { settings, port: address.to_string(), until, at_once };
+    let (folder, journal) = OutputFolder::create(out)?;
+    match Line::open(address.clone(), plan, journal) {
+        Ok(line) => Ok((line, folder)),
+        Err(error) => {
+            // Nothing happened: the folder stays free for another try.
+            let _ = std::fs::remove_file(folder.path().join("journal"));
+            let _ = std::fs::remove_dir(folder.path());
+            Err(CommandError::Input(error.to_string()))
+        }
+    }
+}
+
+/// Maps with the robot at `address`, without a terminal.
+///
+/// # Errors
+/// When the port cannot be opened or the folder not be written.
+pub fn run(address: &Address, common: &Common, until: Option<Phase>, out: &Path) -> Result<u8, CommandError> {
+    let (line, folder) = open(address, common, until, true, out)?;
+    let signals = Signals::listen()
+        .map_err(|source| CommandError::System { what: "listening for signals", source })?;
+    let watch = Stopwatch::start();
+    let mut bar = Bar::new();
+    let (mut ending, signal) = loop {
+        if let Some(signal) = signals.received() {
+            let reason = format!("stopped by {}", signal.name());
+            let outcome = crate::export::Outcome::Stopped;
+            break (Ending { outcome, reason }, Some(signal));
+        }
+        if let Some(ending) = line.ending() {
+            break (ending, None);
+        }
+        if let Some(snapshot) = line.snapshot() {
+            bar.show(&progress_of(&snapshot), watch.seconds());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    bar.clear();
+    let Some(mut run) = line.leave() else {
+        return Err(CommandError::Input("the control thread failed; see the record".to_owned()));
+    };
+    if signal.is_none()
+        && let Some(last) = run.ending()
+    {
+        ending = last;
+    }
+    let driven = Driven { ending, signal, wall_seconds: watch.seconds() };
+    let status = write(&mut run, &driven.ending, &folder, driven.wall_seconds, driven.status());
+    let outcome = format!("{:?}", driven.ending.outcome).to_lowercase();
+    let reason = &driven.ending.reason;
+    output::print(&format!("{outcome}: {reason}; results in {}\n", folder.path().display()))?;
+    Ok(status)
+}
+
+fn progress_of(snapshot: &Snapshot) -> Progress {
+    Progress {
+        phase: snapshot.phase,
+        share: snapshot.progress[snapshot.phase as usize].share,
+        time: snapshot.time,
+        travel: snapshot.progress.iter().map(|phase| phase.travel).sum(),
+    }
+}
+
+/// Ends the record and writes the results; `status` becomes worse when something fails.
+fn write(
+    run: &mut LiveRun<File>,
+    ending: &Ending,
+    folder: &OutputFolder,
+    seconds: f64,
+    mut status: u8,
+) -> u8 {
+    if let Err(error) = run.conclude() {
+        output::say(&format!("periplus: the record of the run is not whole: {error}"));
+        status = status.max(1);
+    }
+    if let Some(record) = run.record(ending, seconds) {
+        for failure in folder.write_results(&record) {
+            output::say(&format!("periplus: {failure}"));
+            status = status.max(1);
+        }
+    }
+    status
+}
+
+/// A robot under an operator's hands; the control thread has it.
+struct LiveDriver {
+    line: Line,
+    waiting: Snapshot,
+}
+
+impl Driver for LiveDriver {
+    fn snapshot(&self) -> Snapshot {
+        self.line.snapshot().unwrap_or_else(|| self.waiting.clone())
+    }
+
+    fn version(&self) -> u64 {
+        self.line.version()
+    }
+
+    fn intent(&mut self, intent: Intent) {
+        self.line.intent(intent);
+    }
+
+    fn advance(&mut self, _seconds: f64) {}
+
+    fn has_own_time(&self) -> bool {
+        false
+    }
+
+    fn export(&mut self, _dir: &Path) -> Result<String, String> {
+        Err("the map is written when the console is left".to_owned())
+    }
+}
+
+/// The console on the robot at `address`.
+///
+/// # Errors
+/// When the port cannot be opened or the terminal not be used.
+pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8, CommandError> {
+    let out = common.out.clone().map_or_else(glue::state_folder, Ok)?;
+    let (line, folder) = open(address, common, None, false, &out)?;
+    let settings = common.settings(Pose::new(0.0, 0.0, 0.0), common.body()?);
+    let waiting = Snapshot::waiting(settings, address.to_string());
+    let watch = Stopwatch::start();
+    let mut driver = LiveDriver { line, waiting };
+    let ended = glue::on_screen(&mut driver, keymap);
+    let run = driver.line.leave();
+    let ended = ended?;
+    let mut status = 0;
+    if let Some(mut run) = run {
+        let reason = crate::mapping::event::Failure::Ended.to_string();
+        let left = Ending { outcome: crate::export::Outcome::Stopped, reason };
+        let ending = run.ending().unwrap_or(left);
+        status = write(&mut run, &ending, &folder, watch.seconds(), 0);
+    }
+    output::say(&format!("periplus: recorded in {}", folder.path().display()));
+    Ok(glue::status_of(ended, status))
+}
+
+/// A simulated robot on a line, until a signal comes.
+///
+/// # Errors
+/// When the world is wrong or the line cannot be had.
+pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
+    let (common, _) = args.common.clone().with_config()?;
+    let speed = args.speed.unwrap_or(1.0);
+    if !(0.1..=1000.0).contains(&speed) {
+        let why = format!("--speed {speed}: from 0.1 to 1000 times as fast as life");
+        return Err(CommandError::Input(why));
+    }
+    let world = world::load(&args.world, &common)?;
+    let chassis = common.body()?;
+    let signals = Signals::listen()
+        .map_err(|source| CommandError::System { what: "listening for signals", source })?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime =
+        runtime.map_err(|source| CommandError::System { what: "the event loop", source })?;
+    runtime.block_on(async {
+        let refused = |error: port::PortError| CommandError::Input(error.to_string());
+        let end = match &args.port {
+            Some(port) => {
+                let address: Address =
+                    port.parse().map_err(|why| CommandError::Input(format!("--port {why}")))?;
+                let end = RobotEnd::at(&address).await.map_err(refused)?;
+                output::print(&format!("{address}\n"))?;
+                end
+            }
+            None if args.pty => {
+                let (end, path) = RobotEnd::pty().map_err(refused)?;
+                output::print(&format!("{path}\n"))?;
+                end
+            }
+            None => {
+                let missing = ArgumentError::Missing { command: "robot", flag: "--pty" };
+                return Err(missing.into());
+            }
+        };
+        let (noise, seed) = (common.noise.unwrap_or_default(), common.seed.unwrap_or(1));
+        let mut robot = SimulatedRobot {
+            device: Device::new(&chassis, &world.name, std::process::id(), speed),
+            body: Body::new(&world, &chassis, noise, seed),
+            speed,
+        };
+        Ok(robot.serve(end, &signals).await.status())
+    })
+}
+
+/// Lists the serial ports.
+///
+/// # Errors
+/// When they cannot be printed.
+pub fn ports() -> Result<u8, CommandError> {
+    let lines = port::list();
+    if lines.is_empty() {
+        output::say("periplus: no serial ports; tcp://HOST:PORT and pseudo-terminals need none");
+    }
+    for line in lines {
+        output::print(&format!("{line}\n"))?;
+    }
+    Ok(0)
+}

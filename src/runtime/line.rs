@@ -1,0 +1,284 @@
+//! The task that keeps a real robot: it alone reads and writes the port, on a thread of its own, so
+//! that neither the screen nor the disk can keep it from its heartbeat. The rest of the program
+//! gives it intents and takes pictures of its state.
+
+use super::live::{LiveRun, Plan};
+use super::{Ending, Stopwatch};
+use crate::link::{Address, PortError, Stream, port};
+use crate::robot::Intent;
+use crate::session::Snapshot;
+use crate::wire::Host;
+use std::fs::File;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+
+/// The control loop looks at the time this often.
+const TICK: Duration = Duration::from_millis(5);
+/// A write that makes no progress for this long means that the port is gone, seconds.
+const STUCK: f64 = 1.0;
+/// First and longest pause between attempts to open a port that went away, seconds.
+const BACKOFF: (f64, f64) = (0.25, 5.0);
+/// How long the last stop is given to leave, seconds.
+const FAREWELL: f64 = 0.3;
+
+/// What the rest of the program may ask.
+enum Request {
+    Intent(Intent),
+    Leave,
+}
+
+/// What the control thread shows.
+#[derive(Default)]
+struct Shown {
+    snapshot: Mutex<Option<Snapshot>>,
+    ending: Mutex<Option<Ending>>,
+    version: AtomicU64,
+    /// Somebody waits for a newer picture.
+    wanted: AtomicBool,
+}
+
+/// A robot at the end of a line, kept by a thread.
+pub struct Line {
+    requests: UnboundedSender<Request>,
+    shown: Arc<Shown>,
+    thread: Option<JoinHandle<LiveRun<File>>>,
+}
+
+fn held<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Line {
+    /// Opens the port and begins; the record goes to `journal`.
+    ///
+    /// # Errors
+    /// When the port cannot be opened.
+    pub fn open(address: Address, plan: Plan, journal: File) -> Result<Self, PortError> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let failed = |error: std::io::Error| PortError::Refused {
+            port: address.to_string(),
+            reason: error.to_string(),
+        };
+        let runtime = runtime.map_err(failed)?;
+        let stream = runtime.block_on(port::open(&address))?;
+        let (requests, asked) = unbounded_channel();
+        let shown = Arc::new(Shown::default());
+        let watch = Stopwatch::start();
+        // Tells this conversation from the one before; nothing else depends on it.
+        let session = std::process::id() ^ (journal_age(&journal) as u32).rotate_left(16);
+        let host = Host::new(address.baud(), session, 0.0);
+        let syncing = sync_thread(&journal);
+        let run = LiveRun::new(plan, host, Some(journal));
+        let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked };
+        let thread = std::thread::Builder::new().name("control".to_owned()).spawn(move || {
+            runtime.block_on(keeper.keep(stream));
+            drop(syncing);
+            keeper.run
+        });
+        let thread = thread.map_err(|error| PortError::Refused {
+            port: "control thread".to_owned(),
+            reason: error.to_string(),
+        })?;
+        Ok(Self { requests, shown, thread: Some(thread) })
+    }
+
+    /// Gives the robot's keeper a wish of the operator; never waits.
+    pub fn intent(&self, intent: Intent) {
+        let _ = self.requests.send(Request::Intent(intent));
+    }
+
+    /// The newest picture of the state; none before the first.
+    #[must_use]
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        self.shown.wanted.store(true, Ordering::Release);
+        held(&self.shown.snapshot).clone()
+    }
+
+    /// Changes whenever a picture would differ.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.shown.version.load(Ordering::Acquire)
+    }
+
+    /// How the run ended; none while there is more to do.
+    #[must_use]
+    pub fn ending(&self) -> Option<Ending> {
+        held(&self.shown.ending).clone()
+    }
+
+    /// Stops the robot, closes the port and gives back the run; none when its keeper panicked.
+    #[must_use]
+    pub fn leave(mut self) -> Option<LiveRun<File>> {
+        let _ = self.requests.send(Request::Leave);
+        self.thread.take()?.join().ok()
+    }
+}
+
+impl Drop for Line {
+    /// Whatever happens to the rest of the program, the robot is told to stop.
+    fn drop(&mut self) {
+        let _ = self.requests.send(Request::Leave);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn journal_age(journal: &File) -> u128 {
+    let created = journal.metadata().and_then(|data| data.modified()).ok();
+    created.and_then(|time| time.elapsed().ok()).map_or(0, |age| age.as_nanos())
+}
+
+/// Brings the record to the disk once a second, beside the control thread; ends when dropped.
+struct Syncing(#[expect(dead_code, reason = "its end is what the thread waits for")] std::sync::mpsc::Sender<()>);
+
+fn sync_thread(journal: &File) -> Option<Syncing> {
+    let file = journal.try_clone().ok()?;
+    let (end, ended) = std::sync::mpsc::channel();
+    let body = move || {
+        while ended.recv_timeout(Duration::from_secs(1))
+            == Err(std::sync::mpsc::RecvTimeoutError::Timeout)
+        {
+            let _ = file.sync_data();
+        }
+        let _ = file.sync_data();
+    };
+    std::thread::Builder::new().name("record".to_owned()).spawn(body).ok()?;
+    Some(Syncing(end))
+}
+
+struct Keeper {
+    address: Address,
+    run: LiveRun<File>,
+    watch: Stopwatch,
+    shown: Arc<Shown>,
+    asked: UnboundedReceiver<Request>,
+}
+
+impl Keeper {
+    fn now(&self) -> f64 {
+        self.watch.seconds()
+    }
+
+    /// Keeps the robot until it is told to leave.
+    async fn keep(&mut self, stream: Box<dyn Stream>) {
+        let mut stream = Some(stream);
+        let mut pause = BACKOFF.0;
+        loop {
+            if let Some(open) = stream.take() {
+                if self.converse(open).await {
+                    return;
+                }
+                pause = BACKOFF.0;
+            }
+            // The port is gone: try again, ever less often, and stay open for requests.
+            let until = self.now() + pause;
+            pause = (pause * 2.0).min(BACKOFF.1);
+            while self.now() < until {
+                tokio::select! {
+                    request = self.asked.recv() => {
+                        if self.ask(request) { return; }
+                    }
+                    () = tokio::time::sleep(TICK * 4) => {}
+                }
+                let now = self.now();
+                self.run.tick(now);
+                let _ = self.run.take_output();
+                self.show();
+            }
+            if let Ok(open) = port::open(&self.address).await {
+                let now = self.now();
+                self.run.reopened(now);
+                stream = Some(open);
+            }
+        }
+    }
+
+    /// Takes a request; true when it is to leave.
+    fn ask(&mut self, request: Option<Request>) -> bool {
+        match request {
+            Some(Request::Intent(intent)) => {
+                let now = self.now();
+                self.run.intent(intent, now);
+                false
+            }
+            Some(Request::Leave) | None => true,
+        }
+    }
+
+    /// Talks over an open port until it is gone (false) or the run is left (true).
+    async fn converse(&mut self, stream: Box<dyn Stream>) -> bool {
+        let (mut from, mut to) = tokio::io::split(stream);
+        let mut tick = tokio::time::interval(TICK);
+        tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        let mut bytes = [0_u8; 1024];
+        let mut waiting: Vec<u8> = Vec::new();
+        let mut progress = self.now();
+        let mut leaving: Option<f64> = None;
+        loop {
+            tokio::select! {
+                biased;
+                request = self.asked.recv(), if leaving.is_none() => {
+                    if self.ask(request) {
+                        let now = self.now();
+                        self.run.intent(Intent::Stop, now);
+                        leaving = Some(now + FAREWELL);
+                    }
+                }
+                written = to.write(&waiting), if !waiting.is_empty() => match written {
+                    Ok(0) | Err(_) => break,
+                    Ok(count) => {
+                        waiting.drain(..count);
+                        progress = self.now();
+                    }
+                },
+                read = from.read(&mut bytes) => match read {
+                    Ok(0) | Err(_) => break,
+                    Ok(count) => {
+                        let now = self.now();
+                        self.run.receive(&bytes[..count], now);
+                    }
+                },
+                _ = tick.tick() => {}
+            }
+            let now = self.now();
+            self.run.tick(now);
+            let fresh = self.run.take_output();
+            if fresh.first() == Some(&crate::wire::STOP) {
+                // Nothing that is still waiting may leave before a stop; a line cut short is dropped.
+                waiting.clear();
+            }
+            waiting.extend(fresh);
+            if waiting.is_empty() {
+                progress = now;
+            } else if now - progress > STUCK {
+                break;
+            }
+            self.show();
+            if leaving.is_some_and(|end| now > end || self.run.host().is_at_rest()) {
+                return true;
+            }
+        }
+        let now = self.now();
+        self.run.unplugged(now);
+        self.show();
+        leaving.is_some()
+    }
+
+    /// Shows the state to those who want to see it.
+    fn show(&mut self) {
+        self.shown.version.store(self.run.version(), Ordering::Release);
+        let first = held(&self.shown.snapshot).is_none();
+        if first || self.shown.wanted.swap(false, Ordering::AcqRel) {
+            let snapshot = self.run.snapshot(self.now());
+            *held(&self.shown.snapshot) = Some(snapshot);
+        }
+        if let Some(ending) = self.run.ending() {
+            held(&self.shown.ending).get_or_insert(ending);
+        }
+    }
+}

@@ -8,6 +8,7 @@ use crate::firmware::Device;
 use crate::geometry::Pose;
 use crate::link::{Address, RobotEnd, port};
 use crate::mapping::map::Phase;
+use crate::mapping::settings::Settings;
 use crate::robot::Intent;
 use crate::runtime::line::Line;
 use crate::runtime::live::{LiveRun, Plan};
@@ -35,6 +36,12 @@ pub fn address(
     Ok(Some(address.at_baud(choice.baud)))
 }
 
+/// What the flags say; where a real robot stands is the origin, unless `--start` says otherwise.
+fn settings(common: &Common) -> Result<Settings, CommandError> {
+    let start = common.start.unwrap_or(Pose::new(0.0, 0.0, 0.0));
+    Ok(common.settings(start, common.body()?))
+}
+
 /// Opens the port over a fresh folder.
 fn open(
     address: &Address,
@@ -44,7 +51,7 @@ fn open(
     out: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
     OutputFolder::refuse_taken(out)?;
-    let settings = common.settings(Pose::new(0.0, 0.0, 0.0), common.body()?);
+    let settings = settings(common)?;
     let plan = Plan { settings, port: address.to_string(), until, at_once };
     let (folder, journal) = OutputFolder::create(out)?;
     match Line::open(address.clone(), plan, journal) {
@@ -166,8 +173,7 @@ impl Driver for LiveDriver {
 pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8, CommandError> {
     let out = common.out.clone().map_or_else(glue::state_folder, Ok)?;
     let (line, folder) = open(address, common, None, false, &out)?;
-    let settings = common.settings(Pose::new(0.0, 0.0, 0.0), common.body()?);
-    let waiting = Snapshot::waiting(settings, address.to_string());
+    let waiting = Snapshot::waiting(settings(common)?, address.to_string());
     let watch = Stopwatch::start();
     let mut driver = LiveDriver { line, waiting };
     let ended = glue::on_screen(&mut driver, keymap);

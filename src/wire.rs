@@ -7,7 +7,7 @@ pub mod host;
 pub mod message;
 
 pub use frame::{Decoder, Item, STOP, seal};
-pub use host::{Heard, Health, Host};
+pub use host::{Health, Heard, Host};
 pub use message::{FromRobot, ToRobot, VERSION, quantised};
 
 /// The protocol, as `periplus protocol` prints it.

@@ -69,7 +69,7 @@ fn bad_values_are_refused_with_the_flag_and_what_it_takes() {
 
 #[test]
 fn what_is_missing_is_named() {
-    refused(&["run"], &["needs --world FILE"]);
+    refused(&["run", "--out", "x"], &["needs --world FILE or --port DEVICE"]);
     refused(&["run", "--world", "room.toml"], &["needs --out DIR"]);
     refused(&["check"], &["FILE"]);
 }
@@ -77,9 +77,6 @@ fn what_is_missing_is_named() {
 #[test]
 fn what_this_version_does_not_have_is_said_plainly() {
     let none = "is not in this version";
-    refused(&["ports"], &["periplus ports", none]);
-    refused(&["robot", "--world", "room.toml", "--pty"], &["periplus robot", none]);
-    refused(&["run", "--port", "/dev/ttyUSB0", "--out", "x"], &["--port", none]);
     refused(&["run", "--world", "a", "--out", "x", "--resume", "y"], &["--resume", none]);
     refused(&["run", "--world", "a", "--out", "x", "--tape", "0,0:1,0=1"], &["--tape", none]);
     refused(&["export", "a", "--format", "ros", "--out", "b"], &["ros", none]);
@@ -226,4 +223,42 @@ fn check_says_ok_or_what_is_wrong_and_where() {
     let told = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(2), "one bad file: {told}");
     assert!(told.contains("vertexes") && told.contains("vertices"), "{told}");
+}
+
+#[test]
+fn ports_and_robots_are_refused_with_what_to_try() {
+    refused(&["run", "--port", "tcp://nowhere", "--out", "x"], &["--port", "tcp://HOST:PORT"]);
+    let out = place("no-port").join("run");
+    let out = out.to_str().expect("a path");
+    let missing = "/dev/there-is-no-such-port";
+    refused(&["run", "--port", missing, "--out", out], &[missing, "periplus ports"]);
+    assert!(!PathBuf::from(out).exists(), "a run that never began left a folder");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    refused(&["robot", "--world", world], &["--pty"]);
+    refused(&["robot", "--world", world, "--pty", "--speed", "0"], &["--speed", "0.1"]);
+}
+
+#[test]
+fn the_protocol_is_printed() {
+    let output = periplus(&["protocol"]);
+    assert_eq!(output.status.code(), Some(0));
+    let page = String::from_utf8_lossy(&output.stdout);
+    for word in ["CRC-16", "Host to robot", "9600"] {
+        assert!(page.contains(word), "no {word}");
+    }
+}
+
+/// A record is played back to a frame; an instant beyond it is refused.
+#[test]
+fn a_frame_of_a_record() {
+    let dir = place("replay").join("run");
+    let dir = dir.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", dir]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let frame = periplus(&["snapshot", "--replay", dir, "--at", "60", "--size", "80x24"]);
+    let text = String::from_utf8_lossy(&frame.stdout);
+    assert!(text.contains("0:01:00") || text.contains("0:00:59"), "{text}");
+    assert_eq!(text.lines().count(), 24);
+    refused(&["snapshot", "--replay", dir, "--at", "99999", "--size", "80x24"], &["ends at"]);
 }

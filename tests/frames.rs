@@ -42,7 +42,7 @@ fn phase(run: &mut Run) {
 }
 
 /// Holds a frame at 80x24 and 120x40: the symbols, and below them the letter of each cell's style.
-fn hold(name: &str, snapshot: &Snapshot, overlay: Overlay) {
+fn hold(name: &str, snapshot: &Snapshot, overlay: &Overlay) {
     for (cols, rows) in [(80, 24), (120, 40)] {
         let model = Model { overlay: overlay.clone(), ..Model::new(cols, rows, Keymap::default()) };
         let (symbols, styles) = frame::planes(&model, snapshot);
@@ -53,45 +53,45 @@ fn hold(name: &str, snapshot: &Snapshot, overlay: Overlay) {
 #[test]
 fn every_phase_of_a_room_with_an_object() {
     let mut run = run_in(include_str!("../sims/extrinsic_first.toml"));
-    hold("1_waiting", &run.snapshot(), Overlay::None);
+    hold("1_waiting", &run.snapshot(), &Overlay::None);
     run.intent(Intent::Run);
     for _ in 0..2000 {
         run.advance();
     }
-    hold("2_boundary_under_way", &run.snapshot(), Overlay::None);
+    hold("2_boundary_under_way", &run.snapshot(), &Overlay::None);
     run.intent(Intent::Pause);
     until_paused(&mut run);
     phase(&mut run);
-    hold("3_boundary_closed", &run.snapshot(), Overlay::None);
+    hold("3_boundary_closed", &run.snapshot(), &Overlay::None);
     phase(&mut run);
-    hold("4_shape", &run.snapshot(), Overlay::None);
+    hold("4_shape", &run.snapshot(), &Overlay::None);
     phase(&mut run);
-    hold("5_plan", &run.snapshot(), Overlay::None);
+    hold("5_plan", &run.snapshot(), &Overlay::None);
     run.intent(Intent::SetAlpha { alpha: 0.5 });
-    hold("6_plan_at_another_alpha", &run.snapshot(), Overlay::None);
+    hold("6_plan_at_another_alpha", &run.snapshot(), &Overlay::None);
     run.intent(Intent::Run);
     for _ in 0..3000 {
         run.advance();
     }
-    hold("7_objects_under_way", &run.snapshot(), Overlay::None);
+    hold("7_objects_under_way", &run.snapshot(), &Overlay::None);
     run.intent(Intent::Stop);
     for _ in 0..50 {
         run.advance();
     }
-    hold("8_stopped", &run.snapshot(), Overlay::None);
+    hold("8_stopped", &run.snapshot(), &Overlay::None);
     run.intent(Intent::ClearStop);
     run.intent(Intent::Run);
     until_paused(&mut run);
     assert_eq!(run.session().run_state(), RunState::Complete);
-    hold("9_complete", &run.snapshot(), Overlay::None);
+    hold("9_complete", &run.snapshot(), &Overlay::None);
 }
 
 #[test]
 fn a_robot_that_was_never_heard_of_and_a_terminal_too_small() {
     let settings = Settings::new(periplus::geometry::Pose::new(0.0, 0.0, 0.0));
     let snapshot = Snapshot::waiting(settings, "nowhere");
-    hold("nothing_heard", &snapshot, Overlay::None);
-    hold("help", &snapshot, Overlay::Help(0));
+    hold("nothing_heard", &snapshot, &Overlay::None);
+    hold("help", &snapshot, &Overlay::Help(0));
     let model = Model::new(60, 20, Keymap::default());
     let (symbols, styles) = frame::planes(&model, &snapshot);
     insta::assert_snapshot!("too_small_60x20", format!("{symbols}\n{styles}"));

@@ -29,10 +29,12 @@ pub fn address(
     choice: &RobotChoice,
     configured: Option<&str>,
 ) -> Result<Option<Address>, CommandError> {
-    let Some(text) = choice.port.as_deref().or(configured.filter(|_| choice.world.is_none())) else {
+    let Some(text) = choice.port.as_deref().or(configured.filter(|_| choice.world.is_none()))
+    else {
         return Ok(None);
     };
-    let address: Address = text.parse().map_err(|why| CommandError::Input(format!("--port {why}")))?;
+    let address: Address =
+        text.parse().map_err(|why| CommandError::Input(format!("--port {why}")))?;
     Ok(Some(address.at_baud(choice.baud)))
 }
 
@@ -69,7 +71,12 @@ fn open(
 ///
 /// # Errors
 /// When the port cannot be opened or the folder not be written.
-pub fn run(address: &Address, common: &Common, until: Option<Phase>, out: &Path) -> Result<u8, CommandError> {
+pub fn run(
+    address: &Address,
+    common: &Common,
+    until: Option<Phase>,
+    out: &Path,
+) -> Result<u8, CommandError> {
     let (line, folder) = open(address, common, until, true, out)?;
     let signals = Signals::listen()
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;
@@ -81,13 +88,12 @@ pub fn run(address: &Address, common: &Common, until: Option<Phase>, out: &Path)
             let outcome = crate::export::Outcome::Stopped;
             break (Ending { outcome, reason }, Some(signal));
         }
-        if let Some(ending) = line.ending() {
+        if let Some(ending) = line.ending(Duration::from_millis(20)) {
             break (ending, None);
         }
         if let Some(snapshot) = line.snapshot() {
             bar.show(&progress_of(&snapshot), watch.seconds());
         }
-        std::thread::sleep(Duration::from_millis(20));
     };
     bar.clear();
     let Some(mut run) = line.leave() else {

@@ -93,7 +93,7 @@ impl Device {
                 Some(Item::Body(body)) => {
                     if let Some(message) = ToRobot::parse(&body) {
                         self.firmware.heartbeat();
-                        began |= self.message(message, hardware);
+                        began |= self.message(&message, hardware);
                     } else if let Some(seq) = sequence_of(&body) {
                         let why = "not understood".to_owned();
                         self.say(&FromRobot::Refuse { seq, why });
@@ -104,8 +104,8 @@ impl Device {
         began
     }
 
-    fn message(&mut self, message: ToRobot, hardware: &impl Hardware) -> bool {
-        match message {
+    fn message(&mut self, message: &ToRobot, hardware: &impl Hardware) -> bool {
+        match *message {
             ToRobot::Hello { session, .. } => {
                 if self.session != Some(session) {
                     self.firmware.stop();

@@ -53,7 +53,9 @@ impl FromStr for Address {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.strip_prefix("tcp://") {
-            Some(place) if place.rsplit_once(':').is_some_and(|(_, p)| p.parse::<u16>().is_ok()) => {
+            Some(place)
+                if place.rsplit_once(':').is_some_and(|(_, p)| p.parse::<u16>().is_ok()) =>
+            {
                 Ok(Self::Tcp { place: place.to_owned() })
             }
             Some(_) => Err(format!("`{text}`: write tcp://HOST:PORT")),
@@ -82,7 +84,9 @@ pub enum PortError {
         port: String,
     },
     /// Somebody else has it, or the rights are missing.
-    #[error("{port}: refused ({reason}); is another program using it, and may you (group dialout)?")]
+    #[error(
+        "{port}: refused ({reason}); is another program using it, and may you (group dialout)?"
+    )]
     Refused {
         /// The port.
         port: String,
@@ -116,8 +120,10 @@ pub async fn open(address: &Address) -> Result<Box<dyn Stream>, PortError> {
             Ok(Box::new(stream))
         }
         Address::Tcp { place } => {
-            let refused = |reason: String| PortError::Unreachable { port: address.to_string(), reason };
-            let stream = TcpStream::connect(place).await.map_err(|error| refused(error.to_string()))?;
+            let refused =
+                |reason: String| PortError::Unreachable { port: address.to_string(), reason };
+            let stream =
+                TcpStream::connect(place).await.map_err(|error| refused(error.to_string()))?;
             stream.set_nodelay(true).map_err(|error| refused(error.to_string()))?;
             Ok(Box::new(stream))
         }
@@ -171,8 +177,9 @@ impl RobotEnd {
         match address {
             Address::Serial { path, baud } => Ok(Self::Serial(serial(path, *baud)?)),
             Address::Tcp { place } => {
-                TcpListener::bind(place).await.map(Self::Tcp).map_err(|error| {
-                    PortError::Refused { port: address.to_string(), reason: error.to_string() }
+                TcpListener::bind(place).await.map(Self::Tcp).map_err(|error| PortError::Refused {
+                    port: address.to_string(),
+                    reason: error.to_string(),
                 })
             }
         }

@@ -10,7 +10,7 @@ use crate::session::Snapshot;
 use crate::wire::Host;
 use std::fs::File;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -36,6 +36,8 @@ enum Request {
 struct Shown {
     snapshot: Mutex<Option<Snapshot>>,
     ending: Mutex<Option<Ending>>,
+    /// Told when there is an ending.
+    ended: Condvar,
     version: AtomicU64,
     /// Somebody waits for a newer picture.
     wanted: AtomicBool,
@@ -104,10 +106,12 @@ impl Line {
         self.shown.version.load(Ordering::Acquire)
     }
 
-    /// How the run ended; none while there is more to do.
+    /// How the run ended, waiting for it no longer than `most`; none while there is more to do.
     #[must_use]
-    pub fn ending(&self) -> Option<Ending> {
-        held(&self.shown.ending).clone()
+    pub fn ending(&self, most: Duration) -> Option<Ending> {
+        let ending = held(&self.shown.ending);
+        let waited = self.shown.ended.wait_timeout_while(ending, most, |ending| ending.is_none());
+        waited.map_or(None, |(ending, _)| ending.clone())
     }
 
     /// Stops the robot, closes the port and gives back the run; none when its keeper panicked.
@@ -134,7 +138,10 @@ fn journal_age(journal: &File) -> u128 {
 }
 
 /// Brings the record to the disk once a second, beside the control thread; ends when dropped.
-struct Syncing(#[expect(dead_code, reason = "its end is what the thread waits for")] std::sync::mpsc::Sender<()>);
+struct Syncing(
+    #[expect(dead_code, reason = "its end is what the thread waits for")]
+    std::sync::mpsc::Sender<()>,
+);
 
 fn sync_thread(journal: &File) -> Option<Syncing> {
     let file = journal.try_clone().ok()?;
@@ -181,7 +188,7 @@ impl Keeper {
             while self.now() < until {
                 tokio::select! {
                     request = self.asked.recv() => {
-                        if self.ask(request) { return; }
+                        if self.ask(request.as_ref()) { return; }
                     }
                     () = tokio::time::sleep(TICK * 4) => {}
                 }
@@ -199,9 +206,9 @@ impl Keeper {
     }
 
     /// Takes a request; true when it is to leave.
-    fn ask(&mut self, request: Option<Request>) -> bool {
+    fn ask(&mut self, request: Option<&Request>) -> bool {
         match request {
-            Some(Request::Intent(intent)) => {
+            Some(&Request::Intent(intent)) => {
                 let now = self.now();
                 self.run.intent(intent, now);
                 false
@@ -223,7 +230,7 @@ impl Keeper {
             tokio::select! {
                 biased;
                 request = self.asked.recv(), if leaving.is_none() => {
-                    if self.ask(request) {
+                    if self.ask(request.as_ref()) {
                         let now = self.now();
                         self.run.intent(Intent::Stop, now);
                         leaving = Some(now + FAREWELL);
@@ -279,6 +286,7 @@ impl Keeper {
         }
         if let Some(ending) = self.run.ending() {
             held(&self.shown.ending).get_or_insert(ending);
+            self.shown.ended.notify_all();
         }
     }
 }

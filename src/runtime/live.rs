@@ -9,7 +9,7 @@ use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
 use crate::session::{Known, Outgoing, RunState, Session, Snapshot};
-use crate::wire::{Heard, Health, Host};
+use crate::wire::{Health, Heard, Host};
 use std::io::Write;
 
 /// What a run with a real robot is started with; the robot itself adds its body.
@@ -304,8 +304,7 @@ impl<W: Write> LiveRun<W> {
     #[must_use]
     pub fn snapshot(&self, now: f64) -> Snapshot {
         let Some(session) = &self.session else {
-            let mut waiting =
-                Snapshot::waiting(self.plan.settings.clone(), self.plan.port.clone());
+            let mut waiting = Snapshot::waiting(self.plan.settings.clone(), self.plan.port.clone());
             if let Some(ending) = &self.ended {
                 waiting.source = format!("{}: {}", self.plan.port, ending.reason);
             }

@@ -165,8 +165,9 @@ mod tests {
     #[test]
     fn keys_steer_the_playback() {
         let mut driver = RecordedDriver::new(Replay::new(read(&record())));
+        let first = driver.snapshot().time;
         driver.advance(10.0);
-        assert_eq!(driver.snapshot().time, 0.0, "paused at first");
+        assert!((driver.snapshot().time - first).abs() < 1e-9, "paused at first");
         driver.intent(Intent::StepPhase);
         assert!(driver.snapshot().progress[0].done);
         let before = driver.snapshot().time;

@@ -88,9 +88,8 @@ impl SimulatedRobot {
         lived: &mut f64,
     ) -> Option<Signal> {
         let (mut from, mut to) = tokio::io::split(stream);
-        let mut tick = tokio::time::interval(Duration::from_secs_f64(
-            (STEP / self.speed).clamp(0.001, 0.02),
-        ));
+        let mut tick =
+            tokio::time::interval(Duration::from_secs_f64((STEP / self.speed).clamp(0.001, 0.02)));
         tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
         let mut bytes = [0_u8; 1024];
         let mut waiting: Vec<u8> = Vec::new();

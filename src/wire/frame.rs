@@ -104,7 +104,8 @@ mod tests {
 
     #[test]
     fn lines_come_out_whole_wherever_they_are_cut() {
-        let bytes: Vec<u8> = [line("P 1 0"), line("a 12"), line("M 1 5000 200 FF 00 3000")].concat();
+        let bytes: Vec<u8> =
+            [line("P 1 0"), line("a 12"), line("M 1 5000 200 FF 00 3000")].concat();
         let whole: Vec<Item> = Decoder::default().feed(&bytes).collect();
         assert_eq!(whole.len(), 3);
         for cut in 0..=bytes.len() {
@@ -143,7 +144,8 @@ mod tests {
     #[test]
     fn babble_neither_grows_nor_passes() {
         let mut decoder = Decoder::default();
-        let noise: Vec<u8> = (0..200_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        let noise: Vec<u8> =
+            (0..200_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
         let bodies = decoder.feed(&noise).filter(|item| matches!(item, Item::Body(_))).count();
         assert_eq!(bodies, 0);
         assert!(decoder.line.capacity() <= 2 * LONGEST);

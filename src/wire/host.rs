@@ -517,6 +517,3 @@ impl Pending {
         self.due = now + self.wait;
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -415,9 +415,8 @@ impl FromRobot {
 
 /// The body of a robot; none when a measure is not one that a robot can have.
 fn chassis(fields: &mut Fields<'_>) -> Option<Chassis> {
-    let mut positive = |unit: f64, most: f64| {
-        fields.measure(unit).filter(|value| *value > 0.0 && *value <= most)
-    };
+    let mut positive =
+        |unit: f64, most: f64| fields.measure(unit).filter(|value| *value > 0.0 && *value <= most);
     Some(Chassis {
         radius: positive(LENGTH, 2.0)?,
         wheel_base: positive(LENGTH, 4.0)?,

@@ -1,1 +1,123 @@
+//! The robot's end of the line as a host sees it: what is answered, what is done, what is refused.
+
 use super::*;
+use crate::firmware::STEP;
+use crate::robot::{CommandId, Guard};
+use crate::simulator::{Body, NoiseProfile, World};
+
+struct Bench {
+    device: Device,
+    body: Body,
+}
+
+fn bench() -> Bench {
+    let text = include_str!("../../../sims/rectangle.toml");
+    let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+    let chassis = Chassis::default();
+    let mut device = Device::new(&chassis, "tin", 1, 1.0);
+    let _ = device.take_output();
+    Bench { device, body: Body::new(&world, &chassis, NoiseProfile::None, 1) }
+}
+
+impl Bench {
+    /// Says something to the robot and gives its answers.
+    fn say(&mut self, message: &ToRobot) -> Vec<String> {
+        let mut line = Vec::new();
+        seal(&message.to_string(), &mut line);
+        self.device.receive(&line, &self.body);
+        self.answers()
+    }
+
+    fn answers(&mut self) -> Vec<String> {
+        let bytes = self.device.take_output();
+        let items: Vec<Item> = Decoder::default().feed(&bytes).collect();
+        items
+            .into_iter()
+            .filter_map(|item| match item {
+                Item::Body(body) => Some(body),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn live(&mut self, seconds: f64) -> Vec<String> {
+        for _ in 0..(seconds / STEP).round() as u32 {
+            self.device.step(&mut self.body, |_, _| {});
+            self.body.step(STEP);
+        }
+        self.answers()
+    }
+}
+
+fn ahead(seq: u32, distance: f64) -> ToRobot {
+    let motion = Motion::Move { distance, speed: 0.2 };
+    let id = CommandId(seq);
+    ToRobot::Command(Command { id, motion, guard: Guard::default(), time_limit: 9.0 })
+}
+
+const HELLO: ToRobot = ToRobot::Hello { version: VERSION, session: 5 };
+
+#[test]
+fn nothing_moves_before_a_hello() {
+    let mut bench = bench();
+    assert_eq!(bench.say(&ahead(1, 0.1)), ["n 1 say hello first"]);
+    let said = bench.say(&HELLO);
+    assert!(said[0].starts_with("h 1 ") && said[1].starts_with("c "), "{said:?}");
+    assert_eq!(said.len(), 10, "eight switches");
+    assert_eq!(bench.say(&ahead(1, 0.1)), ["a 1"]);
+}
+
+#[test]
+fn a_command_said_twice_is_done_once() {
+    let mut bench = bench();
+    bench.say(&HELLO);
+    let from = bench.body.true_pose().position;
+    assert_eq!(bench.say(&ahead(1, 0.02)), ["a 1"]);
+    let done = bench.live(0.28);
+    bench.say(&ToRobot::Ping { number: 1, event: 0 });
+    let done = [done, bench.live(0.28)].concat();
+    assert!(done.iter().any(|line| line.starts_with("d 1 1 ok")), "{done:?}");
+    assert_eq!(bench.say(&ahead(1, 0.02)), ["a 1"]);
+    bench.live(0.2);
+    let went = (bench.body.true_pose().position - from).norm();
+    assert!((went - 0.02).abs() < 0.001, "{went}");
+}
+
+#[test]
+fn an_event_is_said_until_it_is_confirmed() {
+    let mut bench = bench();
+    bench.say(&HELLO);
+    bench.say(&ahead(1, 0.01));
+    let said = bench.live(0.28);
+    let again = bench.live(0.4);
+    let count = |lines: &[String]| lines.iter().filter(|line| line.starts_with("d 1 1 ")).count();
+    assert!(count(&said) >= 1 && count(&again) >= 3, "{said:?} {again:?}");
+    assert_eq!(bench.say(&ToRobot::Ping { number: 1, event: 1 }), ["p 1"]);
+    assert_eq!(count(&bench.live(0.4)), 0);
+}
+
+#[test]
+fn the_stop_byte_needs_no_line() {
+    let mut bench = bench();
+    bench.say(&HELLO);
+    bench.say(&ahead(1, 2.0));
+    bench.live(0.2);
+    bench.device.receive(&[b'P', b' ', crate::wire::STOP], &bench.body);
+    let said = bench.live(0.24);
+    assert!(said.iter().any(|line| line.starts_with("d 1 1 stop")), "{said:?}");
+}
+
+#[test]
+fn what_cannot_be_done_is_refused() {
+    let mut bench = bench();
+    bench.say(&HELLO);
+    let motion = Motion::Move { distance: 1.0, speed: 3.0 };
+    let fast = Command { id: CommandId(1), motion, guard: Guard::default(), time_limit: 9.0 };
+    assert_eq!(bench.say(&ToRobot::Command(fast)), ["n 1 faster than this robot can go"]);
+    bench.say(&ahead(1, 1.0));
+    assert_eq!(bench.say(&ahead(2, 1.0)), ["n 2 another motion is in hand"]);
+    let mut line = Vec::new();
+    seal("M 3 what", &mut line);
+    bench.device.receive(&line, &bench.body);
+    assert_eq!(bench.answers(), ["n 3 not understood"]);
+}

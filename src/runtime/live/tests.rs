@@ -24,12 +24,12 @@ struct Faults {
 struct Way {
     faults: Faults,
     rng: ChaCha8Rng,
-    under_way: VecDeque<(f64, Vec<u8>)>,
+    pieces: VecDeque<(f64, Vec<u8>)>,
 }
 
 impl Way {
     fn new(faults: Faults, seed: u64) -> Self {
-        Self { faults, rng: ChaCha8Rng::seed_from_u64(seed), under_way: VecDeque::new() }
+        Self { faults, rng: ChaCha8Rng::seed_from_u64(seed), pieces: VecDeque::new() }
     }
 
     fn put(&mut self, bytes: &[u8], now: f64) {
@@ -48,15 +48,15 @@ impl Way {
                 piece.extend_from_within(..);
             }
             let due = now + self.rng.random::<f64>() * delay;
-            let after = self.under_way.back().map_or(0.0, |(due, _)| *due);
-            self.under_way.push_back((due.max(after), piece));
+            let after = self.pieces.back().map_or(0.0, |(due, _)| *due);
+            self.pieces.push_back((due.max(after), piece));
         }
     }
 
     fn take(&mut self, now: f64) -> Vec<u8> {
         let mut out = Vec::new();
-        while self.under_way.front().is_some_and(|(due, _)| *due <= now) {
-            out.extend(self.under_way.pop_front().map(|(_, piece)| piece).unwrap_or_default());
+        while self.pieces.front().is_some_and(|(due, _)| *due <= now) {
+            out.extend(self.pieces.pop_front().map(|(_, piece)| piece).unwrap_or_default());
         }
         out
     }
@@ -153,7 +153,8 @@ fn a_lap_over_a_good_line() {
 #[test]
 fn a_lap_over_a_line_that_loses_and_bends_a_twentieth() {
     for seed in 1..=4 {
-        let faults = Faults { drop: 0.02, flip: 0.02, double: 0.01, delay: 0.03, ..Faults::default() };
+        let faults =
+            Faults { drop: 0.02, flip: 0.02, double: 0.01, delay: 0.03, ..Faults::default() };
         let mut rig = rig(faults, seed, true);
         assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()), "seed {seed} hangs");
         let ending = rig.run.ending().expect("an ending");

@@ -1,8 +1,10 @@
+//! Golden frames of the protocol, nonsense, and the longest of everything.
+
 use super::*;
 use crate::geometry::angle;
 
 fn odometer() -> Odometer {
-    Odometer { time_us: 1_234_560_000, left_ticks: -12, right_ticks: 40_021, heading: -3.141_593 }
+    Odometer { time_us: 1_234_560_000, left_ticks: -12, right_ticks: 40_021, heading: -3.25 }
 }
 
 /// The table of golden frames: what a robot written from the page sends and understands.
@@ -18,8 +20,8 @@ fn golden_to() -> Vec<(&'static str, ToRobot)> {
             command(7, Motion::Move { distance: -0.04, speed: 0.2 }, guard, 2.3),
         ),
         (
-            "T 8 1570796 2000 00 00 4500",
-            command(8, Motion::Turn { angle: 1.570_796, rate: 2.0 }, Guard::default(), 4.5),
+            "T 8 1250000 2000 00 00 4500",
+            command(8, Motion::Turn { angle: 1.25, rate: 2.0 }, Guard::default(), 4.5),
         ),
         ("R 9 1000", command(9, Motion::Rest, Guard::default(), 1.0)),
         ("S 10", ToRobot::Stop { seq: 10 }),
@@ -28,7 +30,7 @@ fn golden_to() -> Vec<(&'static str, ToRobot)> {
 }
 
 fn golden_from() -> Vec<(&'static str, FromRobot)> {
-    let body = Chassis { sensors: Vec::new(), bumper_half_angle: 1.570_796, ..Chassis::default() };
+    let body = Chassis { sensors: Vec::new(), bumper_half_angle: 1.5, ..Chassis::default() };
     let done = Telemetry::Done {
         id: CommandId(7),
         reason: DoneReason::Guard { sensor: 2, rising: true },
@@ -48,19 +50,19 @@ fn golden_from() -> Vec<(&'static str, FromRobot)> {
                 name: "Tin Can".to_owned(),
             },
         ),
-        ("c 10000 16000 500000 6000 500 200 2000 1000 1570796", FromRobot::Body(body)),
+        ("c 10000 16000 500000 6000 500 200 2000 1000 1500000", FromRobot::Body(body)),
         (
-            "s 1 785398 front left",
+            "s 1 750000 front left",
             FromRobot::Switch {
                 index: 1,
-                mount: SensorMount { name: "front left".to_owned(), angle: 0.785_398 },
+                mount: SensorMount { name: "front left".to_owned(), angle: 0.75 },
             },
         ),
         ("a 7", FromRobot::Acknowledge { seq: 7 }),
         ("n 7 too fast", FromRobot::Refuse { seq: 7, why: "too fast".to_owned() }),
         ("p 3", FromRobot::Pong { number: 3 }),
         (
-            "r 1234560000 -12 40021 -3141593 05 0 9 7400",
+            "r 1234560000 -12 40021 -3250000 05 0 9 7400",
             FromRobot::Report {
                 odometer: odometer(),
                 switches: SwitchSet(5),
@@ -69,9 +71,9 @@ fn golden_from() -> Vec<(&'static str, FromRobot)> {
                 battery: Some(7.4),
             },
         ),
-        ("e 10 15- 1234560000 -12 40021 -3141593", FromRobot::Event { event: 10, telemetry: edge }),
+        ("e 10 15- 1234560000 -12 40021 -3250000", FromRobot::Event { event: 10, telemetry: edge }),
         (
-            "d 11 7 g2+ 1234560000 -12 40021 -3141593 04 1",
+            "d 11 7 g2+ 1234560000 -12 40021 -3250000 04 1",
             FromRobot::Event { event: 11, telemetry: done },
         ),
     ]
@@ -110,16 +112,37 @@ fn every_reason_comes_back() {
 #[test]
 fn nonsense_is_nothing() {
     let bodies = [
-        "", " ", "M", "M 1", "M 1 2 3 4 5", "M x 2 3 4 5 6", "M 1 2 3 GG 5 6", "MM 1 2 3 4 5 6",
-        "P 1", "P -1 2", "H", "H 1", "H one 0", "S 99999999999", "Z 1 2 3",
+        "",
+        " ",
+        "M",
+        "M 1",
+        "M 1 2 3 4 5",
+        "M x 2 3 4 5 6",
+        "M 1 2 3 GG 5 6",
+        "MM 1 2 3 4 5 6",
+        "P 1",
+        "P -1 2",
+        "H",
+        "H 1",
+        "H one 0",
+        "S 99999999999",
+        "Z 1 2 3",
     ];
     for body in bodies {
         assert_eq!(ToRobot::parse(body), None, "{body}");
     }
     let bodies = [
-        "e 1 16+ 1 2 3 4", "e 1 3 1 2 3 4", "e 1 + 1 2 3 4", "e 1 é 1 2 3 4", "d 1 2 g 1 2 3 4 0 0",
-        "d 1 2 ok 1 2 3 4 0 2", "h 1 0 300 17 name", "s 16 0 name", "c 0 1 1 1 1 1 1 1 1",
-        "c -5 1 1 1 1 1 1 1 1", "r 1 2 3 4 0 0 1",
+        "e 1 16+ 1 2 3 4",
+        "e 1 3 1 2 3 4",
+        "e 1 + 1 2 3 4",
+        "e 1 é 1 2 3 4",
+        "d 1 2 g 1 2 3 4 0 0",
+        "d 1 2 ok 1 2 3 4 0 2",
+        "h 1 0 300 17 name",
+        "s 16 0 name",
+        "c 0 1 1 1 1 1 1 1 1",
+        "c -5 1 1 1 1 1 1 1 1",
+        "r 1 2 3 4 0 0 1",
     ];
     for body in bodies {
         let parsed = FromRobot::parse(body);
@@ -156,7 +179,10 @@ fn the_longest_frames_fit_their_line() {
             name: "x".repeat(200),
         },
         FromRobot::Refuse { seq: u32::MAX, why: "é".repeat(200) },
-        FromRobot::Switch { index: 15, mount: SensorMount { name: "y".repeat(99), angle: -angle::PI } },
+        FromRobot::Switch {
+            index: 15,
+            mount: SensorMount { name: "y".repeat(99), angle: -angle::PI },
+        },
     ];
     for message in messages {
         let mut line = Vec::new();

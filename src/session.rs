@@ -158,9 +158,9 @@ impl Session {
     }
 
     /// Tells the operator something that is no business of the mission: of the link, of the record.
-    pub fn remark(&mut self, why: String, out: &mut Vec<Outgoing>) {
+    pub fn remark(&mut self, what: String, out: &mut Vec<Outgoing>) {
         self.version += 1;
-        self.note(EventKind::Reason { why }, out);
+        self.note(EventKind::Alarm { what }, out);
     }
 
     /// Lets the mission decide as long as it is ready and allowed to.

@@ -163,6 +163,11 @@ pub enum EventKind {
     },
     /// The bumper was pressed or the robot stalled.
     Bumped,
+    /// Something is wrong with the link or the record.
+    Alarm {
+        /// What, in words.
+        what: String,
+    },
     /// A motion ended in a way that was not expected.
     Odd {
         /// How it ended.
@@ -307,9 +312,10 @@ impl fmt::Display for EventKind {
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
             Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
             Self::Reason { why } => f.write_str(why),
+            Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),
             Self::Odd { reason } => write!(f, "motion ended early: {reason}"),
-            Self::Stopped => f.write_str("stopped by the operator"),
+            Self::Stopped => f.write_str("stopped: nothing moves until the stop is cleared"),
             Self::StopCleared => f.write_str("stop cleared"),
             Self::AlphaSet { alpha } => write!(f, "α set to {alpha:.2} m"),
             Self::Complete => f.write_str("map complete"),
@@ -333,6 +339,7 @@ impl EventKind {
             | Self::ObjectKnown { .. }
             | Self::Bumped
             | Self::Odd { .. }
+            | Self::Alarm { .. }
             | Self::Stopped => Severity::Warning,
             Self::Failed { .. } => Severity::Fault,
             _ => Severity::Notice,

@@ -174,16 +174,16 @@ impl<W: Write> LiveRun<W> {
                     }
                 }
                 Heard::Rebooted => {
-                    self.stop(now);
                     let why = "the robot was started again: where it is, is no longer known";
                     self.remark(why.to_owned(), now);
+                    self.stop(now);
                     self.end(Outcome::Failed, why.to_owned());
                 }
                 Heard::Telemetry(telemetry) => self.telemetry(&telemetry, now),
                 Heard::Health(health) => self.health(health, now),
                 Heard::Refused(id, why) => {
-                    self.stop(now);
                     self.remark(format!("the robot refused a command: {why}"), now);
+                    self.stop(now);
                     self.not_begun(id, now);
                 }
                 Heard::NotBegun(id) => self.not_begun(id, now),
@@ -214,12 +214,12 @@ impl<W: Write> LiveRun<W> {
         self.version += 1;
         match health {
             Health::Lost(why) => {
-                // Halt, latch, tell.
+                // Tell, halt, latch.
+                self.remark(format!("link lost: {why}"), now);
                 self.stop(now);
                 if let Some(command) = self.held.take() {
                     self.not_begun(command.id, now);
                 }
-                self.remark(format!("link lost: {why}"), now);
                 if self.plan.at_once || self.session.is_none() {
                     self.end(Outcome::Failed, format!("link lost: {why}"));
                 }

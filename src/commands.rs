@@ -15,6 +15,7 @@ pub use error::CommandError;
 
 use crate::cli::{Cli, Command, ConsoleArgs, ReplayArgs, SnapshotArgs};
 use std::io::IsTerminal;
+use std::path::Path;
 
 /// Does what the command line says and gives the exit status.
 #[must_use]
@@ -48,6 +49,7 @@ fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
         return real::console(&address, glue::keymap(keys.as_deref())?, &common);
     }
+    only_real(common.resume.as_deref())?;
     let world = args.robot.world.or(places.world);
     glue::console(world.as_deref(), keys.as_deref(), &common)
 }
@@ -68,6 +70,15 @@ fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {
     };
     output::print(&frame)?;
     Ok(0)
+}
+
+/// Only a real robot goes on living when its host is gone.
+fn only_real(resume: Option<&Path>) -> Result<(), CommandError> {
+    resume.map_or(Ok(()), |dir| {
+        let why =
+            "goes on with a real robot: give --port; a simulated run is made again by its seed";
+        Err(CommandError::Input(format!("--resume {}: {why}", dir.display())))
+    })
 }
 
 /// The console needs a terminal both ways.

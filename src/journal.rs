@@ -46,6 +46,18 @@ pub struct Header {
     /// Phase whose end completes the run; none for all of them.
     #[serde(default)]
     pub until: Option<Phase>,
+    /// Which robot it was, when it was a real one: only that one can go on with the run.
+    #[serde(default)]
+    pub robot: Option<RobotMark>,
+}
+
+/// Tells one life of one robot from all others.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RobotMark {
+    /// What it calls itself.
+    pub name: String,
+    /// Another number after every start of the robot.
+    pub boot: u32,
 }
 
 /// One line of a record.

@@ -21,6 +21,7 @@ fn run_in(world: &str) -> Run {
         source: world.name.clone(),
         noise: "none".to_owned(),
         until: None,
+        robot: None,
     };
     SimulatedRun::new(&world, header, NoiseProfile::None, None)
 }

@@ -72,12 +72,6 @@ impl Common {
         if self.tape.is_some() {
             return Err(ArgumentError::absent("--tape", "a taped length cannot scale the map yet"));
         }
-        if self.resume.is_some() {
-            return Err(ArgumentError::absent(
-                "--resume",
-                "an interrupted run cannot be taken up again yet; its record stays readable",
-            ));
-        }
         Ok((self, places))
     }
 

@@ -136,6 +136,7 @@ fn header_of(
         source: world.name.clone(),
         noise: common.noise.unwrap_or_default().to_string(),
         until,
+        robot: None,
     })
 }
 
@@ -157,7 +158,7 @@ pub fn replay(recording: Recording, keys: Option<&Path>) -> Result<u8, CommandEr
     }
 }
 
-fn warn_torn(recording: &Recording) {
+pub(super) fn warn_torn(recording: &Recording) {
     if let Some(torn) = recording.torn {
         super::output::say(&format!(
             "periplus: the record was cut off in line {}; {} bytes are left out",

@@ -11,11 +11,11 @@ use crate::mapping::map::Phase;
 use crate::mapping::settings::Settings;
 use crate::robot::Intent;
 use crate::runtime::line::Line;
-use crate::runtime::live::{LiveRun, Plan};
+use crate::runtime::live::{Interrupted, LiveRun, Plan};
 use crate::runtime::progress::Bar;
 use crate::runtime::robot::SimulatedRobot;
 use crate::runtime::{Driven, Ending, OutputFolder, Progress, Signals, Stopwatch};
-use crate::session::Snapshot;
+use crate::session::{Replay, Snapshot};
 use crate::simulator::Body;
 use std::fs::File;
 use std::path::Path;
@@ -44,7 +44,7 @@ fn settings(common: &Common) -> Result<Settings, CommandError> {
     Ok(common.settings(start, common.body()?))
 }
 
-/// Opens the port over a fresh folder.
+/// Opens the port over a fresh folder, or over that of an interrupted run.
 fn open(
     address: &Address,
     common: &Common,
@@ -52,11 +52,13 @@ fn open(
     at_once: bool,
     out: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
+    if let Some(dir) = &common.resume {
+        return take_up(address, common, at_once, dir);
+    }
     OutputFolder::refuse_taken(out)?;
-    let settings = settings(common)?;
-    let plan = Plan { settings, port: address.to_string(), until, at_once };
+    let plan = Plan { settings: settings(common)?, port: address.to_string(), until, at_once };
     let (folder, journal) = OutputFolder::create(out)?;
-    match Line::open(address.clone(), plan, journal) {
+    match Line::open(address.clone(), plan, journal, None) {
         Ok(line) => Ok((line, folder)),
         Err(error) => {
             // Nothing happened: the folder stays free for another try.
@@ -64,6 +66,72 @@ fn open(
             let _ = std::fs::remove_dir(folder.path());
             Err(CommandError::Input(error.to_string()))
         }
+    }
+}
+
+/// Plays the record of an interrupted run back into the core and opens the port to go on with it.
+fn take_up(
+    address: &Address,
+    common: &Common,
+    at_once: bool,
+    dir: &Path,
+) -> Result<(Line, OutputFolder), CommandError> {
+    let refused = |why: String| CommandError::Input(format!("--resume {}: {why}", dir.display()));
+    let recording = crate::journal::read(dir)?;
+    glue::warn_torn(&recording);
+    let (header, sound) = (recording.header.clone(), recording.sound as u64);
+    let records = recording.records.len() as u64;
+    let robot = header.robot.clone().ok_or_else(|| {
+        refused("it was made in the simulator; the same seed makes it again".to_owned())
+    })?;
+    same_settings(&header.settings, common).map_err(refused)?;
+    let mut replay = Replay::new(recording);
+    replay.finish();
+    if let Some(difference) = replay.difference() {
+        let why = format!(
+            "the replay differs from the run ({difference}): it was made by another version"
+        );
+        return Err(refused(why));
+    }
+    if replay.is_complete() {
+        return Err(refused("that run is over; there is nothing to go on with".to_owned()));
+    }
+    let (session, unrecorded) = replay.into_session();
+    output::say(&format!(
+        "periplus: going on in the {} phase, {:.0} s into the run",
+        session.mission().phase(),
+        session.mission().tracker().time_us() as f64 * 1e-6
+    ));
+    let plan =
+        Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
+    let (folder, journal) = OutputFolder::reopen(dir, sound)?;
+    let interrupted = Interrupted { session, robot, unrecorded, records };
+    let line = Line::open(address.clone(), plan, journal, Some(interrupted));
+    Ok((line.map_err(|error| CommandError::Input(error.to_string()))?, folder))
+}
+
+/// A run goes on as it was begun: a flag that says something else is refused with the difference.
+fn same_settings(was: &Settings, common: &Common) -> Result<(), String> {
+    let differs = |flag: &str, was: String, now: String| {
+        Err(format!("{flag} was {was} and is now {now}; leave it out to go on"))
+    };
+    match (common.alpha, common.plan, common.contour, common.seed, common.start) {
+        (Some(now), ..) if now != was.alpha => {
+            differs("--alpha", was.alpha.to_string(), now.to_string())
+        }
+        (_, Some(now), ..) if now != was.strategy => {
+            differs("--plan", format!("{:?}", was.strategy), format!("{now:?}"))
+        }
+        (_, _, Some(now), ..) if now != was.contour => {
+            differs("--contour", format!("{:?}", was.contour), format!("{now:?}"))
+        }
+        (_, _, _, Some(now), _) if now != was.seed => {
+            differs("--seed", was.seed.to_string(), now.to_string())
+        }
+        (.., Some(now)) if now != was.start => {
+            differs("--start", format!("{:?}", was.start), format!("{now:?}"))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -177,7 +245,10 @@ impl Driver for LiveDriver {
 /// # Errors
 /// When the port cannot be opened or the terminal not be used.
 pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8, CommandError> {
-    let out = common.out.clone().map_or_else(glue::state_folder, Ok)?;
+    let out = match (&common.resume, &common.out) {
+        (Some(dir), _) | (None, Some(dir)) => dir.clone(),
+        (None, None) => glue::state_folder()?,
+    };
     let (line, folder) = open(address, common, None, false, &out)?;
     let waiting = Snapshot::waiting(settings(common)?, address.to_string());
     let watch = Stopwatch::start();

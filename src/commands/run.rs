@@ -13,13 +13,14 @@ use std::path::Path;
 pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
-    let out = common.out.clone().ok_or_else(|| missing("--out DIR"))?;
-    OutputFolder::refuse_taken(&out)?;
+    let out = common.resume.clone().or(common.out.clone()).ok_or_else(|| missing("--out DIR"))?;
     if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
         return real::run(&address, &common, until, &out);
     }
     let world = args.robot.world.or(places.world);
     let world = world.ok_or_else(|| missing("--world FILE or --port DEVICE"))?;
+    super::only_real(common.resume.as_deref())?;
+    OutputFolder::refuse_taken(&out)?;
     let world = world::load(&world, &common)?;
     let noise = common.noise.unwrap_or_default();
     let header = Header {
@@ -27,6 +28,7 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
         source: world.name.clone(),
         noise: noise.to_string(),
         until,
+        robot: None,
     };
 
     let (folder, file) = OutputFolder::create(&out)?;

@@ -14,6 +14,8 @@ pub struct Recording {
     pub records: Vec<Record>,
     /// What was cut off the end.
     pub torn: Option<Torn>,
+    /// Bytes of the record that hold, from its beginning.
+    pub sound: usize,
 }
 
 /// The end of a record that was not written whole.
@@ -102,7 +104,9 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
             }
         }
     }
-    Ok(Recording { header, records, torn: torn.map(|(torn, _)| torn) })
+    let torn = torn.map(|(torn, _)| torn);
+    let sound = bytes.len() - torn.map_or(0, |torn| torn.bytes);
+    Ok(Recording { header, records, torn, sound })
 }
 
 fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {

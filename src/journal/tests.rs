@@ -12,6 +12,7 @@ fn header() -> Header {
         source: "a room".to_owned(),
         noise: "calibrated".to_owned(),
         until: Some(Phase::Plan),
+        robot: None,
     }
 }
 

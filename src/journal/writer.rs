@@ -38,6 +38,12 @@ impl<W: Write> Journal<W> {
         }
     }
 
+    /// Goes on with a record of `records` records, at the end of which `out` stands.
+    pub fn go_on(out: W, records: u64) -> Self {
+        let buffer = Vec::with_capacity(BUFFER + 1024);
+        Self { out, buffer, sequence: records, failed: None }
+    }
+
     /// Records a command that was sent.
     pub fn command(&mut self, time_us: u64, command: &Command) {
         self.line(time_us, b'c', command);

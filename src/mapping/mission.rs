@@ -157,6 +157,12 @@ impl Mission {
         self.awaited.is_some()
     }
 
+    /// The command whose end is waited for.
+    #[must_use]
+    pub fn awaited(&self) -> Option<CommandId> {
+        self.awaited.map(|awaited| awaited.id)
+    }
+
     /// Bumper contacts so far.
     #[must_use]
     pub fn bumps(&self) -> u32 {

@@ -4,7 +4,7 @@
 use crate::export::native::MapFile;
 use crate::export::{RunRecord, geojson, png, report, svg};
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// What marks a folder as holding a run.
@@ -77,6 +77,22 @@ impl OutputFolder {
             .create_new(true)
             .open(&journal)
             .map_err(|error| FolderError::unwritable(&journal, &error))?;
+        Ok((Self { path: path.to_owned() }, file))
+    }
+
+    /// The folder of a run that was interrupted, and its record cut to the `sound` bytes that hold,
+    /// to go on with.
+    ///
+    /// # Errors
+    /// When the record cannot be written.
+    pub fn reopen(path: &Path, sound: u64) -> Result<(Self, File), FolderError> {
+        let journal = path.join("journal");
+        let reopened = OpenOptions::new().write(true).open(&journal).and_then(|mut file| {
+            file.set_len(sound)?;
+            file.seek(SeekFrom::End(0))?;
+            Ok(file)
+        });
+        let file = reopened.map_err(|error| FolderError::unwritable(&journal, &error))?;
         Ok((Self { path: path.to_owned() }, file))
     }
 

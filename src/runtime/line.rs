@@ -2,7 +2,7 @@
 //! that neither the screen nor the disk can keep it from its heartbeat. The rest of the program
 //! gives it intents and takes pictures of its state.
 
-use super::live::{LiveRun, Plan};
+use super::live::{Interrupted, LiveRun, Plan};
 use super::{Ending, Stopwatch};
 use crate::link::{Address, PortError, Stream, port};
 use crate::robot::Intent;
@@ -55,11 +55,16 @@ fn held<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 impl Line {
-    /// Opens the port and begins; the record goes to `journal`.
+    /// Opens the port and begins, or goes on with an interrupted run; the record goes to `journal`.
     ///
     /// # Errors
     /// When the port cannot be opened.
-    pub fn open(address: Address, plan: Plan, journal: File) -> Result<Self, PortError> {
+    pub fn open(
+        address: Address,
+        plan: Plan,
+        journal: File,
+        interrupted: Option<Interrupted>,
+    ) -> Result<Self, PortError> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let failed = |error: std::io::Error| PortError::Refused {
             port: address.to_string(),
@@ -75,6 +80,10 @@ impl Line {
         let host = Host::new(address.baud(), session, 0.0);
         let syncing = sync_thread(&journal);
         let run = LiveRun::new(plan, host, Some(journal));
+        let run = match interrupted {
+            Some(interrupted) => run.going_on(interrupted),
+            None => run,
+        };
         let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked };
         let thread = std::thread::Builder::new().name("control".to_owned()).spawn(move || {
             runtime.block_on(keeper.keep(stream));

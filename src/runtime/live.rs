@@ -3,12 +3,13 @@
 
 use super::Ending;
 use crate::export::{Outcome, RunRecord};
-use crate::journal::{Header, Journal, PhaseEnd, state_hash};
+use crate::journal::{Header, Journal, PhaseEnd, RobotMark, state_hash};
 use crate::mapping::event::Failure;
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
 use crate::session::{Known, Outgoing, RunState, Session, Snapshot};
+use crate::wire::host::Identity;
 use crate::wire::{Health, Heard, Host};
 use std::io::Write;
 
@@ -25,6 +26,21 @@ pub struct Plan {
     pub at_once: bool,
 }
 
+/// A run that was interrupted, to be gone on with.
+pub struct Interrupted {
+    /// As its record left it.
+    pub session: Session,
+    /// The robot that it was; no other, and no later life of it, can go on.
+    pub robot: RobotMark,
+    /// Commands that it decided on and that its record does not have.
+    pub unrecorded: Vec<Command>,
+    /// Records in its record.
+    pub records: u64,
+}
+
+/// Reports with the same ticks after which a robot is believed to stand still.
+const STILL: u32 = 3;
+
 /// A run with a robot at the end of a line.
 pub struct LiveRun<W: Write> {
     plan: Plan,
@@ -35,6 +51,10 @@ pub struct LiveRun<W: Write> {
     journal: Option<Journal<W>>,
     heard: Vec<Heard>,
     outgoing: Vec<Outgoing>,
+    /// The run to be gone on with, until its robot is there.
+    interrupted: Option<Interrupted>,
+    /// While a robot is waited for to stand still: the reports since its ticks changed last.
+    settling: Option<u32>,
     /// A command that waits for the line to be sound.
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
@@ -55,12 +75,20 @@ impl<W: Write> LiveRun<W> {
             journal: None,
             heard: Vec::new(),
             outgoing: Vec::new(),
+            interrupted: None,
+            settling: None,
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             ended: None,
             map: RoomMap::default(),
             version: 0,
         }
+    }
+
+    /// The same run, going on with one that was interrupted; its record is at its end.
+    #[must_use]
+    pub fn going_on(self, interrupted: Interrupted) -> Self {
+        Self { interrupted: Some(interrupted), ..self }
     }
 
     /// The host's end of the line.
@@ -165,10 +193,10 @@ impl<W: Write> LiveRun<W> {
             match heard {
                 Heard::Hello(identity) => {
                     self.version += 1;
-                    if self.session.is_none() {
-                        let mut settings = self.plan.settings.clone();
-                        settings.chassis = identity.chassis.clone();
-                        self.begin(settings, &identity.name);
+                    if let Some(interrupted) = self.interrupted.take() {
+                        self.take_up(interrupted, &identity, now);
+                    } else if self.session.is_none() {
+                        self.begin(&identity, now);
                     } else {
                         self.remark(format!("{} is there again", identity.name), now);
                     }
@@ -191,10 +219,52 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
-    fn begin(&mut self, settings: Settings, name: &str) {
-        let source = format!("{name} on {}", self.plan.port);
+    /// Goes on with a run, if this is its robot in the same life.
+    fn take_up(&mut self, interrupted: Interrupted, identity: &Identity, now: f64) {
+        let Interrupted { session, robot, unrecorded, records } = interrupted;
+        let was = &session.mission().settings().chassis;
+        let reason = if robot.name != identity.name {
+            format!("the run was made with {}, and this is {}", robot.name, identity.name)
+        } else if robot.boot != identity.boot {
+            "the robot was started again since: where it is, is no longer known".to_owned()
+        } else if *was != identity.chassis {
+            "the robot has another body or other switches than in the run".to_owned()
+        } else {
+            self.journal = self.out.take().map(|out| Journal::go_on(out, records));
+            let time_us = session.mission().tracker().time_us();
+            for command in &unrecorded {
+                if let Some(journal) = &mut self.journal {
+                    journal.command(time_us, command);
+                }
+            }
+            self.session = Some(session);
+            self.intent(Intent::Pause, now);
+            self.settling = Some(0);
+            return;
+        };
+        self.end(Outcome::Failed, reason);
+    }
+
+    /// The robot stands still after an interruption: what it was doing then is over.
+    fn settled(&mut self, now: f64) {
+        self.settling = None;
+        if let Some(id) = self.session.as_ref().and_then(|session| session.mission().awaited()) {
+            self.not_begun(id, now);
+        }
+        if self.plan.at_once {
+            self.intent(Intent::ClearStop, now);
+            self.intent(Intent::Run, now);
+        }
+    }
+
+    fn begin(&mut self, identity: &Identity, now: f64) {
+        let mut settings = self.plan.settings.clone();
+        settings.chassis = identity.chassis.clone();
+        let source = format!("{} on {}", identity.name, self.plan.port);
         let until = self.plan.until;
-        let header = Header { settings, source: source.clone(), noise: String::new(), until };
+        let robot = Some(RobotMark { name: identity.name.clone(), boot: identity.boot });
+        let noise = String::new();
+        let header = Header { settings, source: source.clone(), noise, until, robot };
         if let Some(out) = self.out.take() {
             match Journal::begin(out, &header) {
                 Ok(journal) => self.journal = Some(journal),
@@ -206,7 +276,7 @@ impl<W: Write> LiveRun<W> {
         }
         self.session = Some(Session::new(header.settings, source, until.unwrap_or(Phase::Objects)));
         if self.plan.at_once {
-            self.intent(Intent::Run, 0.0);
+            self.intent(Intent::Run, now);
         }
     }
 
@@ -238,6 +308,11 @@ impl<W: Write> LiveRun<W> {
 
     fn telemetry(&mut self, telemetry: &Telemetry, now: f64) {
         let Some(session) = &mut self.session else { return };
+        if let (Some(count), Telemetry::Report { odometer, .. }) = (self.settling, telemetry) {
+            let ticks = |o: &Odometer| (o.left_ticks, o.right_ticks);
+            self.settling =
+                Some(if ticks(odometer) == ticks(&self.last.0) { count + 1 } else { 0 });
+        }
         match *telemetry {
             Telemetry::Report { odometer, switches, bumper }
             | Telemetry::Done { odometer, switches, bumper, .. } => {
@@ -253,6 +328,9 @@ impl<W: Write> LiveRun<W> {
         }
         session.telemetry(telemetry, &mut self.outgoing);
         self.deliver(now);
+        if self.settling.is_some_and(|count| count >= STILL) {
+            self.settled(now);
+        }
     }
 
     fn deliver(&mut self, now: f64) {

@@ -100,8 +100,13 @@ mod tests {
         let text = include_str!("../../sims/rectangle.toml");
         let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
         let settings = Settings { seed: 4, ..Settings::new(world.start) };
-        let header =
-            Header { settings, source: "rectangle".to_owned(), noise: String::new(), until: None };
+        let header = Header {
+            settings,
+            source: "rectangle".to_owned(),
+            noise: String::new(),
+            until: None,
+            robot: None,
+        };
         let bytes = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
         let journal = Journal::begin(Shared(bytes.clone()), &header).expect("memory");
         let run = SimulatedRun::new(&world, header, NoiseProfile::Calibrated, Some(journal));

@@ -79,10 +79,11 @@ impl Replay {
         &self.session
     }
 
-    /// The session, to go on with.
+    /// The session, to go on with, and the commands that it gave and the record does not have: it
+    /// was cut off between a cause and its effect.
     #[must_use]
-    pub fn into_session(self) -> Session {
-        self.session
+    pub fn into_session(self) -> (Session, Vec<Command>) {
+        (self.session, self.given.into())
     }
 
     /// Where replay and record parted first, if they did.

@@ -62,9 +62,25 @@ impl Way {
     }
 }
 
+/// A record in memory that outlives its host.
+#[derive(Clone, Default)]
+struct Memory(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
+
+impl Write for Memory {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.borrow_mut().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
 /// A robot, a line and a host.
 struct Rig {
-    run: LiveRun<std::io::Sink>,
+    run: LiveRun<Memory>,
+    memory: Memory,
     device: Device,
     body: Body,
     down: Way,
@@ -78,6 +94,7 @@ fn rig(faults: Faults, seed: u64, at_once: bool) -> Rig {
     let text = include_str!("../../../sims/rectangle.toml");
     let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
     let chassis = crate::robot::Chassis::default();
+    let memory = Memory::default();
     let plan = Plan {
         settings: Settings::new(world.start),
         port: "test".to_owned(),
@@ -85,7 +102,8 @@ fn rig(faults: Faults, seed: u64, at_once: bool) -> Rig {
         at_once,
     };
     Rig {
-        run: LiveRun::new(plan, Host::new(115_200, 7, 0.0), None),
+        run: LiveRun::new(plan, Host::new(115_200, 7, 0.0), Some(memory.clone())),
+        memory,
         device: Device::new(&chassis, "tin", 3, 1.0),
         body: Body::new(&world, &chassis, NoiseProfile::None, seed),
         down: Way::new(faults, seed * 2),
@@ -247,4 +265,76 @@ fn nobody_there_is_said() {
     let mut rig = rig(Faults { drop: 1.0, ..Faults::default() }, 1, true);
     assert!(rig.until(6.0, |rig| rig.run.ending().is_some()));
     assert!(rig.run.ending().expect("an ending").reason.contains("switched on"));
+}
+
+/// A new host takes up the run of one that died.
+fn resurrect(rig: &mut Rig, session: u32) {
+    let bytes = rig.memory.0.borrow().clone();
+    let recording =
+        crate::journal::reader::parse(std::path::Path::new("memory"), &bytes).expect("a record");
+    rig.memory.0.borrow_mut().truncate(recording.sound);
+    let header = recording.header.clone();
+    let records = recording.records.len() as u64;
+    let mut replay = crate::session::Replay::new(recording);
+    replay.finish();
+    assert_eq!(replay.difference(), None);
+    let (before, unrecorded) = replay.into_session();
+    let interrupted =
+        Interrupted { session: before, unrecorded, robot: header.robot.expect("a robot"), records };
+    let plan = Plan {
+        settings: header.settings,
+        port: "test".to_owned(),
+        until: header.until,
+        at_once: true,
+    };
+    let host = Host::new(115_200, session, rig.now);
+    rig.run = LiveRun::new(plan, host, Some(rig.memory.clone())).going_on(interrupted);
+    rig.host_dead = false;
+}
+
+#[test]
+fn a_host_that_is_killed_again_and_again_ends_with_the_same_map() {
+    let mut whole = rig(Faults::default(), 1, true);
+    assert!(whole.until(900.0, |rig| rig.run.ending().is_some()));
+    let area = |rig: &Rig| {
+        let map = rig.run.session().expect("a session").mission().map();
+        crate::mapping::shape::outline(&map.contacts, 0.16).expect("an outline").area()
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for trial in 0..6 {
+        let mut rig = rig(Faults::default(), 1, true);
+        let mut lives = 0;
+        while rig.run.ending().is_none() {
+            lives += 1;
+            let life = 3.0 + rng.random::<f64>() * 30.0;
+            if rig.until(life, |rig| rig.run.ending().is_some()) {
+                break;
+            }
+            // A dead host hears nothing; what it wrote last may be cut anywhere.
+            rig.host_dead = true;
+            let cut = rng.random_range(0..40);
+            let length = rig.memory.0.borrow().len();
+            rig.memory.0.borrow_mut().truncate(length.saturating_sub(cut));
+            rig.until(0.2 + rng.random::<f64>() * 3.0, |_| false);
+            rig.up.pieces.clear();
+            resurrect(&mut rig, 100 + lives);
+            assert!(lives < 200, "trial {trial} does not come to an end");
+        }
+        let ending = rig.run.ending().expect("an ending");
+        assert_eq!(ending.outcome, Outcome::Complete, "trial {trial}: {}", ending.reason);
+        assert!(lives > 3, "trial {trial} was hardly killed");
+        let off = (area(&rig) - area(&whole)).abs();
+        assert!(off < 0.05, "trial {trial}: {off} m² off after {lives} lives");
+    }
+}
+
+#[test]
+fn another_robot_cannot_go_on() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.until(20.0, |_| false);
+    rig.device = Device::new(&crate::robot::Chassis::default(), "tin", 4, 1.0);
+    rig.up.pieces.clear();
+    resurrect(&mut rig, 9);
+    assert!(rig.until(5.0, |rig| rig.run.ending().is_some()));
+    assert!(rig.run.ending().expect("an ending").reason.contains("started again"));
 }

@@ -83,8 +83,8 @@ struct PartFigures {
 struct PlanReport {
     #[serde(flatten)]
     chosen: StrategyFigures,
-    /// Diameter of the hidden disc after what was really driven.
-    hidden_disc_driven_m: Option<f64>,
+    /// Diameter of the hidden disc as the plan was made; that of the strategy is as driven, once it was.
+    hidden_disc_planned_m: f64,
     alternatives: Vec<StrategyFigures>,
 }
 
@@ -181,8 +181,12 @@ fn shape(shape: &Shape) -> ShapeFigures {
 
 fn plan_report(plan: &Plan, driven: Option<f64>) -> PlanReport {
     PlanReport {
-        chosen: strategy(&plan.figures),
-        hidden_disc_driven_m: driven.map(|disc| rounded(disc, 4)),
+        // What was driven counts, once it was: the plan may have been amended on the way.
+        chosen: StrategyFigures {
+            hidden_disc_m: rounded(driven.unwrap_or(plan.figures.hidden_disc), 4),
+            ..strategy(&plan.figures)
+        },
+        hidden_disc_planned_m: rounded(plan.figures.hidden_disc, 4),
         alternatives: plan.alternatives.iter().map(strategy).collect(),
     }
 }

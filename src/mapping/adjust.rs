@@ -274,7 +274,9 @@ impl Traverse {
         let (mut since_knot, mut from, mut to) = (f64::INFINITY, None, None);
         for (k, point) in path.iter().enumerate() {
             if let Some(before) = k.checked_sub(1).map(|j| path[j]) {
-                let seconds = point.time_us.saturating_sub(before.time_us) as f64 * 1e-6;
+                let rested = point.rested_us.saturating_sub(before.rested_us);
+                let passed = point.time_us.saturating_sub(before.time_us);
+                let seconds = passed.saturating_sub(rested) as f64 * 1e-6;
                 survey.predict(before.pose, point.pose, seconds, WHEEL_SD);
                 since_knot += (point.pose.position - before.pose.position).norm();
             }

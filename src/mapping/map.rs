@@ -258,6 +258,8 @@ pub struct PathPoint {
     pub pose: Pose,
     /// Robot time, microseconds.
     pub time_us: u64,
+    /// How long the robot had stood still in all, microseconds.
+    pub rested_us: u64,
     /// Which phase it belongs to.
     pub phase: Phase,
 }

@@ -311,10 +311,16 @@ impl Mission {
 
     fn odometer(&mut self, odometer: &Odometer) -> Pose {
         let (before, time) = (self.tracker.pose(), self.tracker.time_us());
+        let rested = self.tracker.rested_us();
         let pose = self.tracker.advance(odometer, self.phase);
+        let rested = self.tracker.rested_us() - rested;
+        if let Some((seconds, rate)) = self.tracker.take_drift() {
+            self.survey.rest(seconds, rate);
+            self.tracker.set_bias(self.tracker.bias() - self.survey.take_bias());
+        }
         if self.phase == Phase::Objects {
-            let seconds = odometer.time_us.saturating_sub(time) as f64 * 1e-6;
-            self.survey.predict(before, pose, seconds, WHEEL_SD);
+            let passed = odometer.time_us.saturating_sub(time).saturating_sub(rested);
+            self.survey.predict(before, pose, passed as f64 * 1e-6, WHEEL_SD);
         }
         let (travelled, closed) = (self.tracker.travelled(), self.closed);
         if let Some(wall) = self.wall_mut() {

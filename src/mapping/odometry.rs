@@ -1,5 +1,8 @@
 //! Where the robot believes it is: encoders and gyro turned into a pose in the map frame.
 //!
+//! While the wheels stand still the robot does not turn, whatever the gyro says: the heading is held,
+//! and what the gyro tells then is its drift (paper III.B: the gyro is zeroed at rest).
+//!
 //! Position is integrated with the middle heading of each step, which is exact for the straight
 //! moves and turns in place that the command set consists of. Knows nothing of walls; corrections
 //! come from outside through [`Tracker::correct`].
@@ -7,6 +10,13 @@
 use super::map::{PathPoint, Phase};
 use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, Odometer};
+
+/// The wheels must have stood still for this long before the heading is held, microseconds: the body
+/// is at rest only a little after its wheels.
+const SETTLING: u64 = 300_000;
+
+/// Rests are gathered until they are this long before the gyro's drift is told from them, seconds.
+const LEAST_REST: f64 = 2.0;
 
 /// The believed pose and the trajectory so far.
 #[derive(Debug, Clone)]
@@ -18,6 +28,12 @@ pub struct Tracker {
     last: Option<Odometer>,
     travelled: f64,
     bias: f64,
+    /// When the wheels turned last, microseconds.
+    rolled: u64,
+    /// How long the heading was held in all, microseconds, and what the gyro told meanwhile beyond
+    /// the believed drift, radians.
+    rested_us: u64,
+    drift: (f64, f64),
     path: Vec<PathPoint>,
 }
 
@@ -32,6 +48,9 @@ impl Tracker {
             last: None,
             travelled: 0.0,
             bias: 0.0,
+            rolled: 0,
+            rested_us: 0,
+            drift: (0.0, 0.0),
             path: Vec::new(),
         }
     }
@@ -41,8 +60,16 @@ impl Tracker {
         if let Some(last) = self.last {
             let ticks = (to.left_ticks - last.left_ticks) + (to.right_ticks - last.right_ticks);
             let distance = ticks as f64 * self.tick / 2.0;
-            let seconds = to.time_us.saturating_sub(last.time_us) as f64 * 1e-6;
-            let turned = to.heading - last.heading - self.bias * seconds;
+            let passed = to.time_us.saturating_sub(last.time_us);
+            let seconds = passed as f64 * 1e-6;
+            let mut turned = to.heading - last.heading - self.bias * seconds;
+            if (to.left_ticks, to.right_ticks) != (last.left_ticks, last.right_ticks) {
+                self.rolled = to.time_us;
+            } else if last.time_us >= self.rolled + SETTLING {
+                self.rested_us += passed;
+                self.drift = (self.drift.0 + seconds, self.drift.1 + turned);
+                turned = 0.0;
+            }
             let middle = self.heading + turned / 2.0;
             self.heading += turned;
             self.pose.position += angle::unit(middle) * distance;
@@ -59,7 +86,8 @@ impl Tracker {
             (p.pose.position - self.pose.position).norm() > 5e-4 || p.phase != phase
         });
         if moved {
-            self.path.push(PathPoint { pose: self.pose, time_us, phase });
+            let rested_us = self.rested_us;
+            self.path.push(PathPoint { pose: self.pose, time_us, rested_us, phase });
         }
     }
 
@@ -67,6 +95,23 @@ impl Tracker {
     pub fn correct(&mut self, to: Pose) {
         self.heading += angle::wrap(to.heading - self.heading);
         self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
+    }
+
+    /// How long the heading was held in all, microseconds of robot time.
+    #[must_use]
+    pub fn rested_us(&self) -> u64 {
+        self.rested_us
+    }
+
+    /// What the gyro drifted while the robot stood still, since this was asked last: over how many
+    /// seconds, and by how many radians a second beyond the believed drift; none for short rests.
+    pub fn take_drift(&mut self) -> Option<(f64, f64)> {
+        let (seconds, angle) = self.drift;
+        if seconds < LEAST_REST {
+            return None;
+        }
+        self.drift = (0.0, 0.0);
+        Some((seconds, angle / seconds))
     }
 
     /// Radians per second that the gyro is believed to drift; taken out of later readings.
@@ -113,5 +158,36 @@ impl Tracker {
     /// The same, to be adjusted in place when a lap closes.
     pub fn path_mut(&mut self) -> &mut Vec<PathPoint> {
         &mut self.path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reading(time_us: u64, ticks: i64, heading: f64) -> Odometer {
+        Odometer { time_us, left_ticks: ticks, right_ticks: ticks, heading }
+    }
+
+    #[test]
+    fn a_gyro_that_drifts_does_not_turn_a_robot_that_stands() {
+        let mut tracker = Tracker::new(&Chassis::default(), Pose::new(0.0, 0.0, 0.5));
+        let drift = 1e-4;
+        tracker.advance(&reading(0, 0, 0.0), Phase::Boundary);
+        tracker.advance(&reading(100_000, 40, drift * 0.1), Phase::Boundary);
+        for k in 2..=600 {
+            let time = k * 100_000;
+            tracker.advance(&reading(time, 40, drift * time as f64 * 1e-6), Phase::Boundary);
+        }
+        // Only the time until it was known to stand counts.
+        let turned = tracker.pose().heading - 0.5;
+        assert!(turned.abs() < drift * 0.51, "{turned}");
+        let (seconds, rate) = tracker.take_drift().expect("a long rest");
+        assert!((seconds - 59.6).abs() < 0.21, "{seconds}");
+        assert!((rate - drift).abs() < 1e-9, "{rate}");
+        assert_eq!(tracker.take_drift(), None);
+        // Driving on, the heading goes on from where it was held.
+        tracker.advance(&reading(60_100_000, 60, drift * 60.1 + 0.2), Phase::Boundary);
+        assert!((tracker.pose().heading - 0.7 - turned).abs() < 1e-4);
     }
 }

@@ -133,6 +133,14 @@ impl Survey {
         self.covariance[(2, 2)] += walk;
     }
 
+    /// The gyro was seen to drift at `rate` (radians per second, beyond what was taken out) while the
+    /// robot stood still for `seconds`.
+    pub fn rest(&mut self, seconds: f64, rate: f64) {
+        let row = [(BIAS, 1.0)];
+        let innovation = -rate - self.mean[BIAS];
+        self.update(&row, innovation, HEADING_WALK * HEADING_WALK / seconds);
+    }
+
     /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
     pub fn mark(&mut self, at: Point, time_us: u64) -> Tie {
         let size = self.mean.len();

@@ -40,7 +40,7 @@ const MOST_BUMPS: u32 = 3;
 /// A line on which so many rounds stayed open is given up.
 const MOST_LEFT_OPEN: u32 = 2;
 /// The disc is brought this far below α, since the pose is never quite known, metres.
-const PROMISE_MARGIN: f64 = 0.03;
+const PROMISE_MARGIN: f64 = 0.045;
 /// Extra lines at most, so that a tour always ends.
 const MOST_EXTRA: usize = 60;
 

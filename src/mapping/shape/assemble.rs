@@ -65,7 +65,9 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
         let Some(&(i, k)) = crossings(&points).first() else {
-            return (vertices.len() >= 2).then_some(made);
+            let plain = to_ring(&without_jogs(vertices.clone(), 3.0 * sigma + 0.003));
+            let simple = crossings(&chords(&plain).0).is_empty();
+            return (vertices.len() >= 2).then_some(if simple { plain } else { made });
         };
         let (a, b) = (vertices[owners[i]].run, vertices[owners[k]].run);
         // The run with fewer contacts is the doubtful one.
@@ -128,6 +130,42 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         let run = vertices[removed - 1].run;
         vertices.drain(..removed);
         vertices.insert(0, Vertex { at, bulge: 0.0, run });
+    }
+    vertices
+}
+
+/// Without the corners between straight pieces that a straight piece past them explains within
+/// `tolerance` (metres): steps in a wall that are no larger than the noise.
+fn without_jogs(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
+    // What was left out between each vertex and the next.
+    let mut passed: Vec<Vec<Point>> = vec![Vec::new(); vertices.len()];
+    let off = |p: Point, a: Point, b: Point| {
+        let along = b - a;
+        let t = ((p - a).dot(&along) / along.norm_squared().max(1e-18)).clamp(0.0, 1.0);
+        (a + along * t - p).norm()
+    };
+    while vertices.len() > 3 {
+        let count = vertices.len();
+        let straight = |k: usize| vertices[k].bulge == 0.0;
+        let least = (0..count)
+            .filter(|&k| straight(k) && straight((k + count - 1) % count))
+            .map(|k| {
+                let before = (k + count - 1) % count;
+                let (a, b) = (vertices[before].at, vertices[(k + 1) % count].at);
+                let points = passed[before].iter().chain(&passed[k]);
+                let worst = points.map(|p| off(*p, a, b)).fold(off(vertices[k].at, a, b), f64::max);
+                (k, worst)
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((k, _)) = least.filter(|(_, worst)| *worst < tolerance) else {
+            break;
+        };
+        let mut more = passed.remove(k);
+        let gone = vertices.remove(k);
+        more.push(gone.at);
+        let before = (k + count - 1) % count;
+        let before = if before > k { before - 1 } else { before };
+        passed[before].append(&mut more);
     }
     vertices
 }

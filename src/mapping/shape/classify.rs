@@ -8,8 +8,10 @@ use crate::mapping::map::{Contact, Shape, ShapeClass};
 
 /// A turn of the outline counts as a vertex above this, radians: the paper's 1 degree.
 pub const TURN_POINT: f64 = angle::PI / 180.0;
-/// A bay shallower than this does not make an outline concave, metres: the noise of a wall.
+/// A bay shallower than this does not make an outline concave, metres: the noise of a wall ...
 pub(super) const SHALLOW: f64 = 0.008;
+/// ... which a walking gyro bends by this share of its length.
+const BENT: f64 = 0.004;
 /// An arc counts as a curve from this span on, radians: 25 degrees.
 const CURVE_SPAN: f64 = 25.0 * angle::PI / 180.0 - 1e-3;
 
@@ -43,11 +45,18 @@ fn class(outline: &Ring, vertices: &[Point]) -> ShapeClass {
         ShapeClass::Circle
     } else if curved {
         ShapeClass::Complex
-    } else if deepest_bay(&outline.to_points(1e-3)) < SHALLOW {
+    } else if is_convex(&outline.to_points(1e-3)) {
         ShapeClass::Convex
     } else {
         ShapeClass::Concave
     }
+}
+
+/// Whether the outline has no bay deeper than what a wall of its size may be bent by.
+fn is_convex(points: &[Point]) -> bool {
+    let Some(first) = points.first() else { return true };
+    let extent = points.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
+    deepest_bay(points) < SHALLOW + BENT * extent
 }
 
 /// Whether the piece bends enough to be called a curve.

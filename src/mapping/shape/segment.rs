@@ -16,8 +16,16 @@ const LONGEST: usize = 220;
 const ARC_CONTACTS: usize = 7;
 /// An arc must span this much at least, radians: 25 degrees.
 pub(super) const ARC_SPAN: f64 = 25.0 * angle::PI / 180.0;
-/// Two neighbours on one piece may lie this far apart at most, metres.
-const WIDEST_GAP: f64 = 0.5;
+/// Two neighbours on one piece may lie this far apart at most, metres: along a straight wall the
+/// robot looks every half metre.
+const WIDEST_GAP: f64 = 0.65;
+/// Contacts that stand out of an otherwise straight wall, and are taken for mistaken ones, are no more
+/// than this many ...
+const MOST_MISTAKEN: usize = 2;
+/// ... no farther from it than this, metres: nothing that stands out so little has so few contacts ...
+const MISTAKEN_BY: f64 = 0.08;
+/// ... and the wall has at least so many to either side.
+const LEAST_BESIDE: usize = 3;
 /// Smallest radius of an arc with the floor inside it, metres: the body could not have been there
 /// otherwise.
 const HOLLOW_RADIUS: f64 = 0.25;
@@ -67,6 +75,9 @@ pub(super) fn runs(samples: &mut [Sample], sigma: f64) -> Vec<Run> {
         found = cheapest(samples, sigma);
     }
     merge(samples, &mut found, sigma);
+    while pass_over(samples, &mut found, sigma) {
+        merge(samples, &mut found, sigma);
+    }
     merge_over_seam(samples, &mut found, sigma);
     found
 }
@@ -200,6 +211,33 @@ fn merge(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) {
         runs[k] = run;
         runs.remove(k + 1);
     }
+}
+
+/// Joins two pieces of one straight wall over a contact or two that stand out of it; false when there
+/// are no more such.
+fn pass_over(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
+    let size = |run: &Run| run.last - run.first + 1;
+    let straight = |run: &Run| matches!(run.model, Model::Line { .. }) && size(run) >= LEAST_BESIDE;
+    let over = (0..runs.len().saturating_sub(2)).find_map(|k| {
+        let (a, odd, b) = (&runs[k], &runs[k + 1], &runs[k + 2]);
+        if size(odd) > MOST_MISTAKEN || !straight(a) || !straight(b) {
+            return None;
+        }
+        let beside: Vec<Sample> =
+            samples[a.first..=a.last].iter().chain(&samples[b.first..=b.last]).cloned().collect();
+        let left = Run { first: 0, last: size(a) - 1, ..*a };
+        let right = Run { first: size(a), last: beside.len() - 1, ..*b };
+        let (_, joined) = joined(&beside, &left, &right, sigma)?;
+        let near = samples[odd.first..=odd.last]
+            .iter()
+            .all(|sample| joined.distance(sample.point) < MISTAKEN_BY);
+        near.then_some((k, Run { first: a.first, last: b.last, model: joined.model }))
+    });
+    if let Some((k, run)) = over {
+        runs[k] = run;
+        runs.drain(k + 1..k + 3);
+    }
+    over.is_some()
 }
 
 fn merge_over_seam(samples: &mut [Sample], runs: &mut Vec<Run>, sigma: f64) {

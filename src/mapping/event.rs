@@ -132,6 +132,11 @@ pub enum EventKind {
         /// The number it will have.
         id: u32,
     },
+    /// Something was gone round as part of the wall, but only a gap joins it to that.
+    ObjectApart {
+        /// Its id.
+        id: u32,
+    },
     /// What was gone round is on the map already: the pose was off.
     ObjectKnown {
         /// The number it would have had.
@@ -306,6 +311,9 @@ impl fmt::Display for EventKind {
             }
             Self::ObjectKnown { id } => {
                 write!(f, "object O{id} is one known already: the pose was put right by it")
+            }
+            Self::ObjectApart { id } => {
+                write!(f, "object O{id} stands apart: the gap to the wall is too narrow to pass")
             }
             Self::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),

@@ -9,7 +9,7 @@ use super::adjust::{Adjustment, Overlap};
 use super::circuit::Closure;
 use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
-use super::map::{Contact, Phase, RoomMap};
+use super::map::{Contact, MappedObject, Phase, RoomMap};
 use super::odometry::Tracker;
 use super::plan::{self, PlanRequest};
 use super::search::{Next, Search, lap_contacts};
@@ -18,7 +18,7 @@ use super::shape;
 use super::survey::Survey;
 use super::tour::{Scene, Tour};
 use super::wall::Wall;
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, Ring};
 use crate::robot::{Command, CommandId, DoneReason, Motion, Odometer, SwitchSet, Telemetry};
 
 /// What the wheels add on the tour, where one move may be metres long, metres per root metre.
@@ -444,6 +444,7 @@ impl Mission {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
         };
+        let outline = self.set_apart(outline, out);
         let shape = shape::identify(outline, &self.map.contacts);
         let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
         self.map.shape = Some(shape);
@@ -452,6 +453,24 @@ impl Mission {
         self.phase = Phase::Plan;
         self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
         self.task = Task::Plan;
+    }
+
+    /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.
+    fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
+        let gap = self.settings.chassis.passable_gap();
+        let (rest, islands) = shape::islands(outline, &self.map.contacts, gap);
+        for ring in islands {
+            let id = self.map.objects.len() as u32 + 1;
+            let all = std::mem::take(&mut self.map.contacts);
+            let (contacts, walls) =
+                all.into_iter().partition(|c| ring.distance(c.point) < rest.distance(c.point));
+            self.map.contacts = walls;
+            let class = shape::class_of(&ring);
+            let object = MappedObject { id, class, outline: ring, closed: true, contacts };
+            self.map.objects.push(object);
+            self.tell(EventKind::ObjectApart { id }, out);
+        }
+        rest
     }
 
     fn make_plan(&mut self, out: &mut Vec<Output>) {

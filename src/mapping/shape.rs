@@ -5,6 +5,7 @@ mod assemble;
 mod chain;
 mod classify;
 mod corner;
+mod neck;
 mod object;
 mod order;
 mod rectangle;
@@ -16,7 +17,8 @@ mod testing;
 mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
-pub use object::object_outline;
+pub use neck::islands;
+pub use object::{class_of, object_outline};
 
 use super::event::Failure;
 use super::map::{Contact, ContactKind};

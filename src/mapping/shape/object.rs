@@ -38,7 +38,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
                 .filter(|ring| passes_contacts(ring, contacts))
         })
         .unwrap_or_else(|| hull(contacts));
-    let class = class(&ring);
+    let class = class_of(&ring);
     (ring, class)
 }
 
@@ -60,7 +60,9 @@ fn passes_contacts(ring: &Ring, contacts: &[Contact]) -> bool {
     ring.area().abs() > 1e-5 && on * 10 >= all * 9
 }
 
-fn class(ring: &Ring) -> ObjectClass {
+/// What the outline of a closed object looks like.
+#[must_use]
+pub fn class_of(ring: &Ring) -> ObjectClass {
     if matches!(ring.pieces[..], [Piece::Arc { .. }]) {
         return ObjectClass::Circle;
     }

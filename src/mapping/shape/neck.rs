@@ -61,11 +61,11 @@ fn cut(outline: &Ring, touched: &[Point], widest: f64) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
     let chords: Vec<usize> =
         (0..pieces.len()).filter(|&k| is_chord(&pieces[k], touched, widest)).collect();
-    let pairs = chords
+    let mut pairs = chords
         .iter()
         .enumerate()
         .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]));
-    pairs.filter_map(|(i, k)| split(outline, i, k)).next()
+    pairs.find_map(|(i, k)| split(outline, i, k))
 }
 
 /// The outline cut at the chords `i` and `k`: what lies between them on the way from `i` to `k` is the

@@ -1,0 +1,294 @@
+#include "periplus_robot.hpp"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+namespace periplus {
+namespace {
+constexpr double kStep = 0.02;          // seconds between two calls of step()
+constexpr double kWatchdog = 0.3;       // silence of the host after which the robot stops, seconds
+constexpr int kReportSteps = 5;         // steps between two reports
+constexpr int kAgainSteps = 5;          // steps before an event that was not confirmed is said again
+constexpr int kStallSteps = 10;         // steps driven without a tick that make a stall
+
+double clamp(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
+}  // namespace
+
+uint16_t crc16(const char* bytes, size_t count) {
+  uint16_t crc = 0xFFFF;
+  for (size_t k = 0; k < count; ++k) {
+    crc ^= static_cast<uint16_t>(static_cast<uint8_t>(bytes[k])) << 8;
+    for (int bit = 0; bit < 8; ++bit) crc = crc & 0x8000 ? (crc << 1) ^ 0x1021 : crc << 1;
+  }
+  return crc;
+}
+
+Robot::Robot(Hardware& hardware, const Chassis& chassis, uint32_t boot, float speed)
+    : hw_(hardware), chassis_(chassis), boot_(boot),
+      patience_(static_cast<float>(kWatchdog) * (speed > 1 ? speed : 1)) {}
+
+void Robot::begin() {
+  hw_.drive(0, 0);
+  seen_ = hw_.switches();
+  heard_ = hw_.micros();
+  introduce();
+}
+
+Robot::Stamp Robot::now() {
+  Stamp stamp{hw_.micros(), 0, 0, hw_.heading()};
+  hw_.ticks(&stamp.left, &stamp.right);
+  return stamp;
+}
+
+void Robot::say(const char* body) {
+  const size_t count = strlen(body);
+  if (count + 6 > kLongestLine) return;  // no such thing is ever said
+  char out[kLongestLine + 1];
+  const int all = snprintf(out, sizeof out, "%s*%04X\n", body, crc16(body, count));
+  hw_.write(out, static_cast<size_t>(all));
+}
+
+void Robot::introduce() {
+  char body[160];  // say() leaves out what is too long for a line
+  snprintf(body, sizeof body, "h 1 %08lX %ld %d %.40s", static_cast<unsigned long>(boot_),
+           lround(patience_ * 1000), chassis_.switches, chassis_.name);
+  say(body);
+  snprintf(body, sizeof body, "c %ld %ld %ld %ld %ld %ld %ld %ld %ld", static_cast<long>(chassis_.radius),
+           static_cast<long>(chassis_.base), static_cast<long>(chassis_.tick_nm),
+           static_cast<long>(chassis_.range), static_cast<long>(chassis_.hysteresis),
+           static_cast<long>(chassis_.speed), static_cast<long>(chassis_.rate),
+           static_cast<long>(chassis_.acceleration), static_cast<long>(chassis_.bumper));
+  say(body);
+  for (int k = 0; k < chassis_.switches; ++k) {
+    snprintf(body, sizeof body, "s %d %ld %.40s", k, static_cast<long>(chassis_.mount[k].angle),
+             chassis_.mount[k].name);
+    say(body);
+  }
+}
+
+void Robot::receive(uint8_t b) {
+  if (b == kStopByte) {  // whatever else is going on
+    length_ = 0;
+    spoilt_ = false;
+    end("stop");
+  } else if (b == '\n') {
+    if (!spoilt_ && length_ > 5) line();
+    length_ = 0;
+    spoilt_ = false;
+  } else if (b == '\r') {
+  } else if (b < 32 || b > 126 || length_ + 1 >= kLongestLine) {
+    spoilt_ = true;
+  } else {
+    line_[length_++] = static_cast<char>(b);
+  }
+}
+
+// A whole line: the body if the checksum holds, and what it asks for.
+void Robot::line() {
+  line_[length_] = 0;
+  char* star = line_ + length_ - 5;
+  if (*star != '*') return;
+  char* after = nullptr;
+  const unsigned long told = strtoul(star + 1, &after, 16);
+  if (after != line_ + length_ || told != crc16(line_, static_cast<size_t>(star - line_))) return;
+  *star = 0;
+  heard_ = hw_.micros();
+  unsigned long seq = 0, number = 0;
+  long amount = 0, most = 0, limit = 0;
+  unsigned rise = 0, fall = 0, version = 0;
+  char body[kLongestLine];
+  if (sscanf(line_, "H %u %lx", &version, &number) == 2) {
+    hello(static_cast<uint32_t>(number));
+  } else if (sscanf(line_, "P %lu %lu", &number, &seq) == 2) {
+    int kept = 0;  // what the host has needs not be said again
+    for (int k = 0; k < kept_count_; ++k)
+      if (kept_[k].number > seq) kept_[kept++] = kept_[k];
+    kept_count_ = kept;
+    snprintf(body, sizeof body, "p %lu", number);
+    say(body);
+  } else if (sscanf(line_, "S %lu", &seq) == 1) {
+    end("stop");
+    snprintf(body, sizeof body, "a %lu", seq);
+    say(body);
+  } else if (sscanf(line_, "M %lu %ld %ld %x %x %ld", &seq, &amount, &most, &rise, &fall, &limit) == 6) {
+    command(kMove, static_cast<uint32_t>(seq), amount * 1e-5, most * 1e-3, static_cast<uint16_t>(rise),
+            static_cast<uint16_t>(fall), limit * 1e-3);
+  } else if (sscanf(line_, "T %lu %ld %ld %x %x %ld", &seq, &amount, &most, &rise, &fall, &limit) == 6) {
+    command(kTurn, static_cast<uint32_t>(seq), amount * 1e-6, most * 1e-3, static_cast<uint16_t>(rise),
+            static_cast<uint16_t>(fall), limit * 1e-3);
+  } else if (sscanf(line_, "R %lu %ld", &seq, &limit) == 2) {
+    command(kRest, static_cast<uint32_t>(seq), 0, 0, 0, 0, limit * 1e-3);
+  } else if (sscanf(line_, "%*1[MTR] %lu", &seq) == 1) {
+    snprintf(body, sizeof body, "n %lu not understood", seq);
+    say(body);
+  }
+}
+
+void Robot::hello(uint32_t session) {
+  if (!known_ || session != session_) {
+    end("stop");
+    known_ = true;
+    session_ = session;
+    newest_ = events_ = 0;
+    kept_count_ = 0;
+  }
+  introduce();
+}
+
+void Robot::command(Kind kind, uint32_t seq, double amount, double most, uint16_t rise, uint16_t fall,
+                    double limit) {
+  char body[kLongestLine];
+  const double fastest = (kind == kMove ? chassis_.speed : chassis_.rate) * 1e-3;
+  const char* objection = !known_                                   ? "say hello first"
+                          : seq <= newest_                          ? nullptr
+                          : kind_ != kNone                          ? "another motion is in hand"
+                          : most < 0 || most > fastest * 1.001      ? "faster than this robot can go"
+                          : limit <= 0                              ? "without a time limit"
+                                                                    : nullptr;
+  if (objection) {
+    snprintf(body, sizeof body, "n %lu %s", static_cast<unsigned long>(seq), objection);
+    say(body);
+    return;
+  }
+  if (seq > newest_) {  // else it is a repetition, and only acknowledged
+    newest_ = seq_ = seq;
+    kind_ = kind;
+    amount_ = amount;
+    most_ = most;
+    limit_ = limit;
+    rise_ = rise;
+    fall_ = fall;
+    speed_ = 0;
+    still_ = 0;
+    why_[0] = 0;
+    from_ = last_ = now();
+  }
+  snprintf(body, sizeof body, "a %lu", static_cast<unsigned long>(seq));
+  say(body);
+}
+
+// The motion in hand is to end; the first reason counts.
+void Robot::end(const char* why) {
+  if (kind_ == kNone || why_[0]) return;
+  strncpy(why_, why, sizeof why_ - 1);
+  why_[sizeof why_ - 1] = 0;
+}
+
+void Robot::event(const char* rest, char letter) {
+  ++events_;
+  char body[kLongestLine];
+  snprintf(body, sizeof body, "%c %lu %s", letter, static_cast<unsigned long>(events_), rest);
+  if (known_) {
+    if (kept_count_ == kKeptEvents) {  // the story has a hole: let it be known as one that begins anew
+      kept_count_ = 0;
+      ++boot_;
+      known_ = false;
+      end("stop");
+      introduce();
+      return;
+    }
+    kept_[kept_count_].number = events_;
+    memcpy(kept_[kept_count_].body, body, sizeof body);
+    ++kept_count_;
+    if (kept_count_ == 1) since_said_ = 0;
+  }
+  say(body);
+}
+
+void Robot::poll() {
+  const uint16_t is = hw_.switches();
+  const uint16_t changed = is ^ seen_;
+  if (!changed) return;
+  const Stamp at = now();
+  for (int k = 0; k < chassis_.switches; ++k) {
+    const uint16_t bit = static_cast<uint16_t>(1u << k);
+    if (!(changed & bit)) continue;
+    const bool rising = is & bit;
+    char rest[kLongestLine];
+    snprintf(rest, sizeof rest, "%d%c %llu %ld %ld %lld", k, rising ? '+' : '-',
+             static_cast<unsigned long long>(at.time), static_cast<long>(at.left),
+             static_cast<long>(at.right), llround(at.heading * 1e6));
+    event(rest, 'e');
+    if ((rising ? rise_ : fall_) & bit) {
+      char why[16];
+      snprintf(why, sizeof why, "g%d%c", k, rising ? '+' : '-');
+      end(why);
+    }
+  }
+  seen_ = is;
+}
+
+void Robot::step() {
+  poll();
+  if ((hw_.micros() - heard_) * 1e-6 > patience_) end("host");
+  control();
+  if (++since_report_ >= kReportSteps) {
+    since_report_ = 0;
+    const Stamp at = now();
+    char body[kLongestLine];
+    snprintf(body, sizeof body, "r %llu %ld %ld %lld %02X %d %lu %d",
+             static_cast<unsigned long long>(at.time), static_cast<long>(at.left),
+             static_cast<long>(at.right), llround(at.heading * 1e6), seen_, hw_.bumper() ? 1 : 0,
+             static_cast<unsigned long>(events_), hw_.battery_mv());
+    say(body);
+  }
+  if (kept_count_ && ++since_said_ >= kAgainSteps) {
+    since_said_ = 0;
+    for (int k = 0; k < kept_count_ && k < 8; ++k) say(kept_[k].body);
+  }
+}
+
+// One control step of the motion in hand: trapezoid in speed, heading held by the gyro.
+void Robot::control() {
+  if (kind_ == kNone) return;
+  const Stamp at = now();
+  const double tick = chassis_.tick_nm * 1e-9;
+  const double done = kind_ == kMove
+                          ? (at.left + at.right - from_.left - from_.right) * tick / 2
+                          : at.heading - from_.heading;
+  double left = kind_ == kRest ? 0 : amount_ - done;
+  if (kind_ == kMove && fabs(left) < tick * 0.55) left = 0;
+  const double acceleration = chassis_.acceleration * 1e-3 *
+                              (kind_ == kTurn ? 2 / (chassis_.base * 1e-5) : 1);
+  if (kind_ == kMove && amount_ > 0 && hw_.bumper()) end("bump");
+  const bool stands = at.left == last_.left && at.right == last_.right;
+  still_ = kind_ == kMove && stands && fabs(speed_) > 0.05 ? still_ + 1 : 0;
+  if (still_ > kStallSteps) end("stall");
+  if ((at.time - from_.time) * 1e-6 > limit_) end(kind_ == kRest ? "ok" : "time");
+  const double change = acceleration * kStep;
+  const bool complete = kind_ != kRest && fabs(left) < 1e-4 && fabs(speed_) <= change;
+  const bool hit = !strcmp(why_, "bump") || !strcmp(why_, "stall");
+  if (hit) {
+    speed_ = 0;
+  } else if (why_[0]) {
+    speed_ -= clamp(speed_, -change, change);
+  } else {
+    double target = sqrt(2 * acceleration * fabs(left));
+    if (target > most_) target = most_;
+    if (target > fabs(left) / kStep) target = fabs(left) / kStep;
+    speed_ = clamp(left < 0 ? -target : target, speed_ - change * 1.5, speed_ + change);
+  }
+  if (complete && !why_[0]) end("ok");
+  if (why_[0] && (fabs(speed_) < 1e-9 || complete || kind_ == kRest)) {
+    hw_.drive(0, 0);
+    kind_ = kNone;
+    char rest[kLongestLine];
+    snprintf(rest, sizeof rest, "%lu %s %llu %ld %ld %lld %02X %d", static_cast<unsigned long>(seq_), why_,
+             static_cast<unsigned long long>(at.time), static_cast<long>(at.left),
+             static_cast<long>(at.right), llround(at.heading * 1e6), seen_, hw_.bumper() ? 1 : 0);
+    event(rest, 'd');
+    why_[0] = 0;
+    return;
+  }
+  if (kind_ == kMove) {
+    const double off = from_.heading - at.heading;
+    hw_.drive(static_cast<float>(speed_), static_cast<float>(clamp(off * 0.5 / kStep, -0.5, 0.5)));
+  } else {
+    hw_.drive(0, kind_ == kTurn ? static_cast<float>(speed_) : 0);
+  }
+  last_ = at;
+}
+
+}  // namespace periplus

@@ -1,0 +1,69 @@
+//! The reference firmware, built with the system's C++ compiler, maps a room through the protocol. It
+//! shares no line with the robot in `src/firmware`: what both understand is what the page says.
+#![cfg(unix)]
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
+#![expect(clippy::print_stderr, reason = "a test that was skipped says so")]
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+/// The built bench; none where there is no compiler.
+fn bench(into: &Path) -> Option<PathBuf> {
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware");
+    let program = into.join("bench");
+    let built = Command::new("c++")
+        .args(["-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", "-o"])
+        .arg(&program)
+        .args([sources.join("bench.cpp"), sources.join("periplus_robot.cpp")])
+        .status();
+    match built {
+        Ok(status) => {
+            assert!(status.success(), "the reference firmware does not build");
+            Some(program)
+        }
+        Err(_) => None,
+    }
+}
+
+/// A child that does not outlive its test.
+struct Kept(Child);
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn the_reference_firmware_maps_a_room() {
+    let place = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("firmware");
+    let _ = std::fs::remove_dir_all(&place);
+    std::fs::create_dir_all(&place).expect("a folder");
+    let Some(program) = bench(&place) else {
+        eprintln!("skipped: there is no C++ compiler (c++) here");
+        return;
+    };
+    let mut robot = Kept(
+        Command::new(program).arg("25").stdout(Stdio::piped()).spawn().expect("the bench starts"),
+    );
+    let mut port = String::new();
+    let said = robot.0.stdout.take().expect("its output");
+    BufReader::new(said).read_line(&mut port).expect("a path");
+    let out = place.join("run");
+    let status = Command::new(env!("CARGO_BIN_EXE_periplus"))
+        .args(["run", "--start", "1,1,20.0535", "--until", "shape", "--port", port.trim(), "--out"])
+        .arg(&out)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .expect("the program starts");
+    let report = std::fs::read_to_string(out.join("report.json")).expect("a report");
+    assert_eq!(status.code(), Some(0), "{report}");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    let area = report["boundary"]["area_m2"].as_f64().expect("an area");
+    assert!((area - 7.2).abs() < 0.05, "{area} m² of 7.2");
+    assert_eq!(report["shape"]["class"], "convex");
+    assert_eq!(report["shape"]["vertices"], 4);
+}

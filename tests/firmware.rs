@@ -1,7 +1,6 @@
 //! The reference firmware, built with the system's C++ compiler, maps a room through the protocol. It
 //! shares no line with the robot in `src/firmware`: what both understand is what the page says.
 #![cfg(unix)]
-#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 #![expect(clippy::print_stderr, reason = "a test that was skipped says so")]
 
 use std::io::{BufRead, BufReader};

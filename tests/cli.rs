@@ -77,7 +77,6 @@ fn what_is_missing_is_named() {
 #[test]
 fn what_this_version_does_not_have_is_said_plainly() {
     let none = "is not in this version";
-    refused(&["run", "--world", "a", "--out", "x", "--resume", "y"], &["--resume", none]);
     refused(&["run", "--world", "a", "--out", "x", "--tape", "0,0:1,0=1"], &["--tape", none]);
     refused(&["export", "a", "--format", "ros", "--out", "b"], &["ros", none]);
 }
@@ -236,6 +235,19 @@ fn ports_and_robots_are_refused_with_what_to_try() {
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
     refused(&["robot", "--world", world], &["--pty"]);
     refused(&["robot", "--world", world, "--pty", "--speed", "0"], &["--speed", "0.1"]);
+}
+
+#[test]
+fn a_run_that_cannot_be_taken_up_says_why() {
+    let dir = place("resume").join("run");
+    let dir = dir.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    refused(&["run", "--world", world, "--resume", dir], &["--resume", "made again by its seed"]);
+    refused(&["run", "--port", "tcp://127.0.0.1:1", "--resume", dir], &[dir]);
+    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", dir]);
+    assert_eq!(run.status.code(), Some(0));
+    let simulated = ["run", "--port", "tcp://127.0.0.1:1", "--resume", dir];
+    refused(&simulated, &["made in the simulator"]);
 }
 
 #[test]

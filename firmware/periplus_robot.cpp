@@ -52,7 +52,8 @@ void Robot::say(const char* body) {
 
 void Robot::introduce() {
   char body[160];  // say() leaves out what is too long for a line
-  snprintf(body, sizeof body, "h 1 %08lX %ld %d %.40s", static_cast<unsigned long>(boot_),
+  snprintf(body, sizeof body, "h 1 %08lX %08lX %ld %d %.40s", static_cast<unsigned long>(boot_),
+           static_cast<unsigned long>(known_ ? session_ : 0),
            lround(patience_ * 1000), chassis_.switches, chassis_.name);
   say(body);
   snprintf(body, sizeof body, "c %ld %ld %ld %ld %ld %ld %ld %ld %ld", static_cast<long>(chassis_.radius),

@@ -110,6 +110,9 @@ pub struct RobotArgs {
     /// Times as fast as life
     #[arg(long, value_name = "N")]
     pub speed: Option<f64>,
+    /// What the line does to the bytes, e.g. drop=0.05,flip=0.01,double=0.01,swap=0.01,delay=0.2
+    #[arg(long, value_name = "LIST")]
+    pub faults: Option<String>,
     /// What every run can be told.
     #[command(flatten)]
     pub common: Common,

@@ -6,7 +6,7 @@ use crate::console::Keymap;
 use crate::console::driver::Driver;
 use crate::firmware::Device;
 use crate::geometry::Pose;
-use crate::link::{Address, RobotEnd, port};
+use crate::link::{Address, Faults, FaultyWay, RobotEnd, port};
 use crate::mapping::map::Phase;
 use crate::mapping::settings::Settings;
 use crate::robot::Intent;
@@ -278,6 +278,11 @@ pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
         let why = format!("--speed {speed}: from 0.1 to 1000 times as fast as life");
         return Err(CommandError::Input(why));
     }
+    let faults: Faults = match args.faults.as_deref().map(str::parse) {
+        Some(Ok(faults)) => faults,
+        Some(Err(why)) => return Err(CommandError::Input(format!("--faults {why}"))),
+        None => Faults::default(),
+    };
     let world = world::load(&args.world, &common)?;
     let chassis = common.body()?;
     let signals = Signals::listen()
@@ -310,6 +315,7 @@ pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
             device: Device::new(&chassis, &world.name, std::process::id(), speed),
             body: Body::new(&world, &chassis, noise, seed),
             speed,
+            ways: (FaultyWay::new(faults, seed * 2), FaultyWay::new(faults, seed * 2 + 1)),
         };
         Ok(robot.serve(end, &signals).await.status())
     })

@@ -73,6 +73,7 @@ impl Device {
         self.say(&FromRobot::Hello {
             version: VERSION,
             boot: self.boot,
+            session: self.session.unwrap_or(0),
             watchdog: self.patience,
             switches: self.chassis.sensors.len(),
             name: self.name.clone(),

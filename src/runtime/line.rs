@@ -76,7 +76,7 @@ impl Line {
         let shown = Arc::new(Shown::default());
         let watch = Stopwatch::start();
         // Tells this conversation from the one before; nothing else depends on it.
-        let session = std::process::id() ^ (journal_age(&journal) as u32).rotate_left(16);
+        let session = (std::process::id() ^ (journal_age(&journal) as u32).rotate_left(16)) | 1;
         let host = Host::new(address.baud(), session, 0.0);
         let syncing = sync_thread(&journal);
         let run = LiveRun::new(plan, host, Some(journal));

@@ -213,6 +213,9 @@ impl<W: Write> LiveRun<W> {
                     self.remark(format!("the robot refused a command: {why}"), now);
                     self.stop(now);
                     self.not_begun(id, now);
+                    if self.plan.at_once {
+                        self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
+                    }
                 }
                 Heard::NotBegun(id) => self.not_begun(id, now),
             }

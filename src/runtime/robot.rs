@@ -3,7 +3,7 @@
 
 use super::{Signal, Signals, Stopwatch};
 use crate::firmware::{Device, STEP};
-use crate::link::{RobotEnd, Stream};
+use crate::link::{FaultyWay, RobotEnd, Stream};
 use crate::simulator::Body;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -21,6 +21,8 @@ pub struct SimulatedRobot {
     pub body: Body,
     /// Times as fast as life.
     pub speed: f64,
+    /// What the line does to what the host says, and to what the robot says.
+    pub ways: (FaultyWay, FaultyWay),
 }
 
 impl SimulatedRobot {
@@ -104,9 +106,7 @@ impl SimulatedRobot {
                     }
                     Ok(count) => {
                         self.live(watch, lived);
-                        if self.device.receive(&bytes[..count], &self.body) {
-                            self.body.begin_motion();
-                        }
+                        self.ways.0.put(&bytes[..count], watch.seconds());
                     }
                 },
                 written = to.write(&waiting), if !waiting.is_empty() => match written {
@@ -120,7 +120,14 @@ impl SimulatedRobot {
                     }
                 }
             }
-            let fresh = self.device.take_output();
+            let now = watch.seconds();
+            let down = self.ways.0.take(now);
+            if self.device.receive(&down, &self.body) {
+                self.body.begin_motion();
+            }
+            let said = self.device.take_output();
+            self.ways.1.put(&said, now);
+            let fresh = self.ways.1.take(now);
             if waiting.len() + fresh.len() <= PATIENCE {
                 waiting.extend(fresh);
             }

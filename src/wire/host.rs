@@ -26,7 +26,7 @@ const LONGEST_WAIT: f64 = 0.4;
 const UNANSWERED: f64 = 3.0;
 /// A motion must have ended this long after its own limit, seconds.
 const OVERDUE: f64 = 3.0;
-/// A line is believed in again when it was clean for this long, seconds.
+/// A line is believed in again when it was there without a break for this long, seconds.
 const CLEAN: f64 = 0.5;
 /// What began before a stop has ended, and said so, this long after it, seconds.
 const UNDOUBTED: f64 = 1.0;
@@ -220,7 +220,7 @@ impl Host {
         self.identity.as_ref()
     }
 
-    /// Whether motions may be sent: the line was clean for a while.
+    /// Whether motions may be sent: the line has been there for a while.
     #[must_use]
     pub fn is_sound(&self, now: f64) -> bool {
         self.health == Health::Up && now - self.clean >= CLEAN
@@ -318,10 +318,7 @@ impl Host {
         for &byte in bytes {
             match self.decoder.push(byte) {
                 None | Some(Item::Stop) => {}
-                Some(Item::Garbled) => {
-                    self.garbled += 1;
-                    self.clean = now;
-                }
+                Some(Item::Garbled) => self.garbled += 1,
                 Some(Item::Body(body)) => {
                     if let Some(message) = FromRobot::parse(&body) {
                         self.heard = now;
@@ -334,9 +331,14 @@ impl Host {
 
     fn message(&mut self, message: FromRobot, now: f64, told: &mut Vec<Heard>) {
         match message {
-            FromRobot::Hello { version, boot, switches, name, .. } => {
+            FromRobot::Hello { version, boot, session, switches, name, .. } => {
                 if version != VERSION {
                     return self.lose(Loss::Version, told);
+                }
+                // What it says of itself before it has heard this host is not the answer yet: with its
+                // own start, or with another host's words, its numbers are others.
+                if session != self.session {
+                    return;
                 }
                 let known = self.introduction.hello.as_ref().map(|(boot, ..)| *boot);
                 if known.is_some_and(|known| known != boot) {

@@ -55,6 +55,8 @@ pub enum FromRobot {
         version: u32,
         /// Another one after every start.
         boot: u32,
+        /// The conversation that it is in; 0 before the first.
+        session: u32,
         /// Silence of the host after which it stops, milliseconds.
         watchdog: u32,
         /// How many switches it has.
@@ -295,8 +297,9 @@ fn reason_of(word: &str) -> Option<DoneReason> {
 impl std::fmt::Display for FromRobot {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Hello { version, boot, watchdog, switches, name } => {
-                write!(f, "h {version} {boot:08X} {watchdog} {switches} {}", plain(name, 40))
+            Self::Hello { version, boot, session, watchdog, switches, name } => {
+                let name = plain(name, 40);
+                write!(f, "h {version} {boot:08X} {session:08X} {watchdog} {switches} {name}")
             }
             Self::Body(chassis) => {
                 let length = |value| scaled(value, LENGTH);
@@ -355,10 +358,11 @@ impl FromRobot {
         let (letter, rest) = letter_of(body)?;
         let message = match letter {
             "h" => {
-                let mut fields = Fields::of(rest, 5);
+                let mut fields = Fields::of(rest, 6);
                 Self::Hello {
                     version: fields.number()?,
                     boot: fields.hex()?,
+                    session: fields.hex()?,
                     watchdog: fields.number()?,
                     switches: fields.number().filter(|count| *count <= MOST_SWITCHES)?,
                     name: fields.text(),

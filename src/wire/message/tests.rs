@@ -41,10 +41,11 @@ fn golden_from() -> Vec<(&'static str, FromRobot)> {
     let edge = Telemetry::Edge(Edge { sensor: 15, rising: false, odometer: odometer() });
     vec![
         (
-            "h 1 00C0FFEE 300 8 Tin Can",
+            "h 1 00C0FFEE 0000002A 300 8 Tin Can",
             FromRobot::Hello {
                 version: 1,
                 boot: 0x00C0_FFEE,
+                session: 42,
                 watchdog: 300,
                 switches: 8,
                 name: "Tin Can".to_owned(),
@@ -138,7 +139,7 @@ fn nonsense_is_nothing() {
         "e 1 é 1 2 3 4",
         "d 1 2 g 1 2 3 4 0 0",
         "d 1 2 ok 1 2 3 4 0 2",
-        "h 1 0 300 17 name",
+        "h 1 0 0 300 17 name",
         "s 16 0 name",
         "c 0 1 1 1 1 1 1 1 1",
         "c -5 1 1 1 1 1 1 1 1",
@@ -174,6 +175,7 @@ fn the_longest_frames_fit_their_line() {
         FromRobot::Hello {
             version: 1,
             boot: u32::MAX,
+            session: u32::MAX,
             watchdog: u32::MAX,
             switches: 16,
             name: "x".repeat(200),

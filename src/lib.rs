@@ -9,14 +9,16 @@
 //! 1. `geometry`: points, poses, rings of straight and circular pieces.
 //! 2. `robot`: what may be asked of a robot, what it reports, what its body is like.
 //! 3. `mapping`: the core, without I/O or clock. `mission` is the run as one state machine;
-//!    `search` (III.C) with `follow`, `wall`, `circuit` and `adjust`; `shape` (III.D); `plan`
-//!    (III.E) on `floor`; `tour` (III.F) with `fix`.
-//! 4. `safety`: the one gate for commands. `session`: core, gate and operator's word together, and
-//!    the snapshot that the screen reads.
+//!    `odometry` and `survey` (where the robot and the walls are, and how surely); `search` (III.C)
+//!    with `follow`, `wall`, `circuit` and `adjust`; `shape` (III.D); `plan` (III.E) on `floor`;
+//!    `tour` (III.F) on the `chart` of what is mapped.
+//! 4. `safety`: the one gate for commands. `session`: core, gate and operator's word together, the
+//!    snapshot that the screen reads, and the replay of a record.
 //! 5. `wire`: what host and robot say to each other. `simulator`, `firmware`, `link`: the simulated
 //!    room, the robot's own side, and the ways to either.
 //! 6. `console`, `export`, `journal`: the screen, the results, the record.
-//! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments.
+//! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments; `runtime::live` is a session
+//!    with a real robot, `runtime::line` the thread that keeps its port.
 //!
 //! What is absent on purpose: the core never reads a clock or a file, and never sees the
 //! simulator's truth, which goes from the link to the exports alone.

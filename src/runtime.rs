@@ -17,8 +17,12 @@ pub use folder::{FolderError, OutputFolder};
 pub use signals::{Signal, Signals};
 
 use crate::export::{Outcome, RunRecord};
+use crate::journal::{Journal, PhaseEnd, state_hash};
+use crate::mapping::event::Failure;
 use crate::mapping::map::Phase;
+use crate::session::{Outgoing, RunState, Session};
 use progress::Bar;
+use std::io::Write;
 
 /// A run that can be driven step by step without waiting: a session over a simulated robot.
 pub trait Runner {
@@ -58,6 +62,36 @@ pub struct Ending {
     pub outcome: Outcome,
     /// Why, in words.
     pub reason: String,
+}
+
+impl Ending {
+    /// How a session ended; none while there is more to do.
+    #[must_use]
+    pub fn of(session: &Session) -> Option<Self> {
+        let (outcome, reason) = match session.run_state() {
+            RunState::Complete => (Outcome::Complete, "map complete".to_owned()),
+            RunState::Failed(Failure::Ended) => (Outcome::Stopped, Failure::Ended.to_string()),
+            RunState::Failed(why) => (Outcome::Failed, why.to_string()),
+            _ => return None,
+        };
+        Some(Self { outcome, reason })
+    }
+}
+
+/// Records what leaves a session; a command goes to the robot only after this.
+fn keep<W: Write>(journal: &mut Option<Journal<W>>, session: &Session, outgoing: &Outgoing) {
+    let Some(journal) = journal else { return };
+    let time_us = session.mission().tracker().time_us();
+    match outgoing {
+        Outgoing::Command(command) => journal.command(time_us, command),
+        Outgoing::Event(event) => journal.event(time_us, event),
+        Outgoing::PhaseEnded(phase) => {
+            let state = state_hash(session.mission().map());
+            journal.phase_end(time_us, &PhaseEnd { phase: *phase, state });
+        }
+        // The wish that led to it is in the record already.
+        Outgoing::Stop => {}
+    }
 }
 
 /// How far a run has come.

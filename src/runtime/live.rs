@@ -1,14 +1,13 @@
 //! A session with a real robot, without the port: bytes and the time in, bytes out. What reads and
 //! writes the port is [`super::line`]; the tests put a faulty line and a simulated robot in its place.
 
-use super::Ending;
+use super::{Ending, keep};
 use crate::export::{Outcome, RunRecord};
-use crate::journal::{Header, Journal, PhaseEnd, RobotMark, state_hash};
-use crate::mapping::event::Failure;
+use crate::journal::{Header, Journal, RobotMark};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
-use crate::session::{Known, Outgoing, RunState, Session, Snapshot};
+use crate::session::{Known, Outgoing, Session, Snapshot};
 use crate::wire::host::Identity;
 use crate::wire::{Health, Heard, Host};
 use std::io::Write;
@@ -338,24 +337,14 @@ impl<W: Write> LiveRun<W> {
 
     fn deliver(&mut self, now: f64) {
         let Some(session) = &self.session else { return };
-        let time_us = session.mission().tracker().time_us();
         let mut commands = Vec::new();
         let mut stops = false;
         for outgoing in std::mem::take(&mut self.outgoing) {
-            match (outgoing, &mut self.journal) {
-                (Outgoing::Command(command), journal) => {
-                    if let Some(journal) = journal {
-                        journal.command(time_us, &command);
-                    }
-                    commands.push(command);
-                }
-                (Outgoing::Stop, _) => stops = true,
-                (Outgoing::Event(event), Some(journal)) => journal.event(time_us, &event),
-                (Outgoing::PhaseEnded(phase), Some(journal)) => {
-                    let state = state_hash(session.mission().map());
-                    journal.phase_end(time_us, &PhaseEnd { phase, state });
-                }
-                (Outgoing::Event(_) | Outgoing::PhaseEnded(_), None) => {}
+            keep(&mut self.journal, session, &outgoing);
+            match outgoing {
+                Outgoing::Command(command) => commands.push(command),
+                Outgoing::Stop => stops = true,
+                Outgoing::Event(_) | Outgoing::PhaseEnded(_) => {}
             }
         }
         if stops {
@@ -403,16 +392,7 @@ impl<W: Write> LiveRun<W> {
     /// How the run ended; none while there is more to do.
     #[must_use]
     pub fn ending(&self) -> Option<Ending> {
-        let complete = |state: &Session| match state.run_state() {
-            RunState::Complete => Some((Outcome::Complete, "map complete".to_owned())),
-            RunState::Failed(Failure::Ended) => {
-                Some((Outcome::Stopped, Failure::Ended.to_string()))
-            }
-            RunState::Failed(why) => Some((Outcome::Failed, why.to_string())),
-            _ => None,
-        };
-        let over = self.session.as_ref().and_then(complete);
-        over.map(|(outcome, reason)| Ending { outcome, reason }).or_else(|| self.ended.clone())
+        self.session.as_ref().and_then(Ending::of).or_else(|| self.ended.clone())
     }
 
     /// Fixes the map for [`LiveRun::record`] and ends the record of the run.

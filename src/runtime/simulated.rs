@@ -1,10 +1,10 @@
 //! A session over the embedded simulator, with its record: what `run`, the console and `snapshot`
 //! drive. Virtual time: one step is 20 ms of the robot's life, however long it takes.
 
-use super::{Ending, OutputFolder, Progress, Runner, Step};
+use super::{Ending, OutputFolder, Progress, Runner, Step, keep};
 use crate::export::{Outcome, RunRecord, truth};
 use crate::geometry::Pose;
-use crate::journal::{Header, Journal, PhaseEnd, state_hash};
+use crate::journal::{Header, Journal};
 use crate::link::SimulatedLink;
 use crate::mapping::event::Failure;
 use crate::mapping::map::{Phase, RoomMap};
@@ -101,29 +101,12 @@ impl<W: Write> SimulatedRun<W> {
     }
 
     fn deliver(&mut self) {
-        let time_us = self.session.mission().tracker().time_us();
         for outgoing in std::mem::take(&mut self.outgoing) {
+            keep(&mut self.journal, &self.session, &outgoing);
             match outgoing {
-                Outgoing::Command(command) => {
-                    // The record first: what was sent is never unknown afterwards.
-                    if let Some(journal) = &mut self.journal {
-                        journal.command(time_us, &command);
-                    }
-                    self.link.send(command);
-                }
+                Outgoing::Command(command) => self.link.send(command),
                 Outgoing::Stop => self.link.stop(),
-                Outgoing::Event(event) => {
-                    if let Some(journal) = &mut self.journal {
-                        journal.event(time_us, &event);
-                    }
-                }
-                Outgoing::PhaseEnded(phase) => {
-                    if let Some(journal) = &mut self.journal {
-                        let state = state_hash(self.session.mission().map());
-                        journal.phase_end(time_us, &PhaseEnd { phase, state });
-                        journal.flush();
-                    }
-                }
+                Outgoing::Event(_) | Outgoing::PhaseEnded(_) => {}
             }
         }
     }
@@ -131,13 +114,7 @@ impl<W: Write> SimulatedRun<W> {
     /// How the run ended; none while there is more to do.
     #[must_use]
     pub fn ending(&self) -> Option<Ending> {
-        let (outcome, reason) = match self.session.run_state() {
-            RunState::Complete => (Outcome::Complete, "map complete".to_owned()),
-            RunState::Failed(Failure::Ended) => (Outcome::Stopped, Failure::Ended.to_string()),
-            RunState::Failed(why) => (Outcome::Failed, why.to_string()),
-            _ => return None,
-        };
-        Some(Ending { outcome, reason })
+        Ending::of(&self.session)
     }
 
     /// Writes everything known so far into `dir`.

@@ -4,6 +4,7 @@
 use super::*;
 use crate::firmware::{Device, STEP};
 use crate::link::{Faults, FaultyWay};
+use crate::session::RunState;
 use crate::simulator::{Body, NoiseProfile, World};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -16,6 +16,7 @@ pub mod plan;
 pub mod search;
 pub mod settings;
 pub mod shape;
+pub mod smooth;
 pub mod survey;
 pub mod tour;
 pub mod wall;

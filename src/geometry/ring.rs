@@ -269,6 +269,35 @@ impl Ring {
         if self.area() < 0.0 { self.reversed() } else { self }
     }
 
+    /// The same ring with its corners moved; an arc keeps its bulge, a full circle its radius.
+    #[must_use]
+    pub fn deformed(&self, displacement: impl Fn(Point) -> Vector) -> Self {
+        if let [Piece::Arc { center, radius, start, sweep }] = self.pieces[..] {
+            let around: Vec<Vector> = (0..4)
+                .map(|k| {
+                    displacement(center + angle::unit(f64::from(k) * angle::PI / 2.0) * radius)
+                })
+                .collect();
+            let mean = around.iter().sum::<Vector>() / around.len() as f64;
+            return Self {
+                pieces: vec![Piece::Arc { center: center + mean, radius, start, sweep }],
+            };
+        }
+        let corners: Vec<Point> =
+            self.pieces.iter().map(|piece| piece.from() + displacement(piece.from())).collect();
+        let count = corners.len();
+        let pieces = self.pieces.iter().enumerate().map(|(k, piece)| {
+            let (from, to) = (corners[k], corners[(k + 1) % count]);
+            match piece {
+                Piece::Line { .. } => Piece::Line { from, to },
+                Piece::Arc { sweep, .. } => {
+                    Piece::with_bulge(from, to, angle::tan(sweep / 4.0))
+                }
+            }
+        });
+        Self { pieces: pieces.collect() }
+    }
+
     /// The box around the outline: its lowest and highest corner; none without pieces.
     #[must_use]
     pub fn bounds(&self) -> Option<(Point, Point)> {

@@ -338,11 +338,7 @@ impl Adjustment {
     /// Where a pose goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
-        let turn = self.survey.turn(&self.tie(time_us));
-        Pose {
-            position: self.place(pose.position, time_us),
-            heading: angle::wrap(pose.heading + turn),
-        }
+        self.survey.place(pose, &self.tie(time_us))
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::map::{Contact, MappedObject, RoomMap};
 use super::survey::{Surface, Survey, Tie};
-use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
+use crate::geometry::{Point, Ring, perp};
 
 /// A contact this far from a surface is not of it, metres.
 const FARTHEST: f64 = 0.15;
@@ -58,7 +58,7 @@ impl Chart {
         };
         let mut chart = Self { rings: vec![boundary], lap_knots };
         for object in &map.objects {
-            let begin = object.contacts.first().map_or(0, |c| micros(c.time));
+            let begin = object.contacts.first().map_or(0, Contact::time_us);
             chart.add(object, survey.tie(begin, lap_knots));
         }
         chart
@@ -128,7 +128,7 @@ impl Chart {
             let nearest = charted.contacts.iter().min_by(|a, b| {
                 (a.point - nominal).norm_squared().total_cmp(&(b.point - nominal).norm_squared())
             });
-            survey.tie(nearest.map_or(0, |c| micros(c.time)), self.lap_knots)
+            survey.tie(nearest.map_or(0, Contact::time_us), self.lap_knots)
         })
     }
 
@@ -140,7 +140,9 @@ impl Chart {
             .rings
             .iter()
             .map(|charted| {
-                deform(&charted.nominal, |p| survey.displacement(p, &self.tie(charted, survey, p)))
+                charted
+                    .nominal
+                    .deformed(|p| survey.displacement(p, &self.tie(charted, survey, p)))
             })
             .collect();
         for (charted, ring) in self.rings.iter_mut().zip(moved) {
@@ -159,7 +161,7 @@ impl Chart {
                 .contacts
                 .iter()
                 .map(|contact| {
-                    let own = || survey.tie(micros(contact.time), self.lap_knots);
+                    let own = || survey.tie(contact.time_us(), self.lap_knots);
                     let tie = charted.tie.unwrap_or_else(own);
                     Contact {
                         point: contact.point + survey.displacement(contact.point, &tie),
@@ -178,30 +180,4 @@ impl Chart {
             object.outline = charted.shown.clone();
         }
     }
-}
-
-fn micros(seconds: f64) -> u64 {
-    (seconds * 1e6).round() as u64
-}
-
-/// The same ring with its corners moved; an arc keeps its bulge, a full circle its radius.
-fn deform(ring: &Ring, displacement: impl Fn(Point) -> Vector) -> Ring {
-    if let [Piece::Arc { center, radius, start, sweep }] = ring.pieces[..] {
-        let around: Vec<Vector> = (0..4)
-            .map(|k| displacement(center + angle::unit(f64::from(k) * angle::PI / 2.0) * radius))
-            .collect();
-        let mean = around.iter().sum::<Vector>() / around.len() as f64;
-        return Ring { pieces: vec![Piece::Arc { center: center + mean, radius, start, sweep }] };
-    }
-    let corners: Vec<Point> =
-        ring.pieces.iter().map(|piece| piece.from() + displacement(piece.from())).collect();
-    let count = corners.len();
-    let pieces = ring.pieces.iter().enumerate().map(|(k, piece)| {
-        let (from, to) = (corners[k], corners[(k + 1) % count]);
-        match piece {
-            Piece::Line { .. } => Piece::Line { from, to },
-            Piece::Arc { sweep, .. } => Piece::with_bulge(from, to, angle::tan(sweep / 4.0)),
-        }
-    });
-    Ring { pieces: pieces.collect() }
 }

@@ -2,7 +2,7 @@
 //! Every phase adds its part; the screen and the exports read it.
 
 use super::settings::Strategy;
-use crate::geometry::{Point, Pose, Ring};
+use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
 
 /// The four phases, in order (paper III.C to III.F).
@@ -45,6 +45,14 @@ pub struct Contact {
     pub kind: ContactKind,
     /// Robot time, seconds.
     pub time: f64,
+}
+
+impl Contact {
+    /// Robot time, microseconds.
+    #[must_use]
+    pub fn time_us(&self) -> u64 {
+        (self.time * 1e6).round() as u64
+    }
 }
 
 /// What odometry was off by when a lap closed.
@@ -249,6 +257,17 @@ pub struct MappedObject {
     pub closed: bool,
     /// The contacts it was made of.
     pub contacts: Vec<Contact>,
+}
+
+impl MappedObject {
+    /// Moves all of it.
+    pub fn displace(&mut self, displacement: impl Fn(Point) -> Vector) {
+        self.outline = self.outline.deformed(&displacement);
+        for contact in &mut self.contacts {
+            contact.point += displacement(contact.point);
+            contact.from += displacement(contact.from);
+        }
+    }
 }
 
 /// One place of the trajectory.

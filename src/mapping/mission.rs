@@ -15,6 +15,7 @@ use super::plan::{self, PlanRequest};
 use super::search::{Next, Search, lap_contacts};
 use super::settings::Settings;
 use super::shape;
+use super::smooth::smooth;
 use super::survey::Survey;
 use super::tour::{Scene, Tour};
 use super::wall::Wall;
@@ -427,20 +428,56 @@ impl Mission {
         self.map.contacts = lap_contacts(wall, closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);
-        for point in self.tracker.path_mut() {
-            point.pose = adjustment.pose(point.pose, point.time_us);
+        self.survey = adjustment.into_survey();
+        self.settle();
+    }
+
+    /// Moves what was mapped before, the trajectory and the pose to where the survey believes them,
+    /// and goes on from there.
+    fn settle(&mut self) {
+        let survey = &mut self.survey;
+        let knots = survey.knots();
+        for object in &mut self.map.objects {
+            let begin = object.contacts.first().map_or(0, Contact::time_us);
+            let tie = survey.tie(begin, knots);
+            object.displace(|p| survey.displacement(p, &tie));
         }
-        let mut survey = adjustment.into_survey();
+        for point in self.tracker.path_mut() {
+            let tie = survey.tie(point.time_us, knots);
+            point.pose = survey.place(point.pose, &tie);
+        }
         let now = survey.take_pose(self.tracker.pose());
         self.tracker.correct(now);
         self.rest.pose = now;
         self.tracker.set_bias(self.tracker.bias() - survey.take_bias());
         survey.rebase();
-        self.survey = survey;
+    }
+
+    /// Lets the smooth walls of `outline` straighten the lap; true when there are any.
+    fn straighten(&mut self, outline: &Ring) -> bool {
+        let knots = self.survey.knots();
+        if !smooth(&mut self.survey, knots, outline, &self.map.contacts) {
+            return false;
+        }
+        for contact in &mut self.map.contacts {
+            let tie = self.survey.tie(contact.time_us(), knots);
+            contact.point += self.survey.displacement(contact.point, &tie);
+            contact.from += self.survey.displacement(contact.from, &tie);
+        }
+        self.settle();
+        true
     }
 
     fn shape(&mut self, out: &mut Vec<Output>) {
-        let outline = match shape::outline(&self.map.contacts, self.settings.chassis.reach()) {
+        let reach = self.settings.chassis.reach();
+        let fitted = shape::outline(&self.map.contacts, reach).and_then(|outline| {
+            if self.straighten(&outline) {
+                shape::outline(&self.map.contacts, reach)
+            } else {
+                Ok(outline)
+            }
+        });
+        let outline = match fitted {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
         };

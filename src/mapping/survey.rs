@@ -27,6 +27,9 @@ const CONTACT_SD: f64 = 0.004;
 const GATE: f64 = 3.5;
 const FARTHEST: f64 = 0.15;
 
+/// How far off a surface may be before anything is known of it, metres.
+const SURFACE_SD: f64 = 0.3;
+
 /// Rows of the pose, of the gyro's drift, and of its scale.
 const POSE: usize = 0;
 const BIAS: usize = 3;
@@ -61,6 +64,49 @@ pub struct Surface {
     pub tie: Tie,
     /// Standard deviation of the mapped contacts about it, metres: large where it is ragged.
     pub sd: f64,
+}
+
+/// How far something seen from the lap lies off a surface that may lie anywhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The knots between which it was seen.
+    tie: (usize, usize),
+    /// By how much it moves off with the errors of these knots.
+    knots: [[f64; 3]; 2],
+    /// By how much the surface follows with each of its unknowns.
+    surface: [f64; 3],
+    /// How far off it is, metres.
+    off: f64,
+    variance: f64,
+}
+
+impl Look {
+    /// Whether both hang on the same knots.
+    #[must_use]
+    pub fn is_of(&self, other: &Self) -> bool {
+        self.tie == other.tie
+    }
+
+    /// Adds another that hangs on the same knots.
+    pub fn add(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.knots[0][k] += other.knots[0][k];
+            self.knots[1][k] += other.knots[1][k];
+            self.surface[k] += other.surface[k];
+        }
+        self.off += other.off;
+    }
+
+    /// The mean of `count` that were added, good to `variance` (square metres).
+    #[must_use]
+    pub fn mean_of(mut self, count: f64, variance: f64) -> Self {
+        for k in 0..3 {
+            self.knots[0][k] /= count;
+            self.knots[1][k] /= count;
+            self.surface[k] /= count;
+        }
+        Self { off: self.off / count, variance, ..self }
+    }
 }
 
 /// The filter.
@@ -215,11 +261,15 @@ impl Survey {
         of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
     }
 
-    /// The change of heading at a tie, radians.
+    /// Where a pose goes that hangs on `tie`.
     #[must_use]
-    pub fn turn(&self, tie: &Tie) -> f64 {
+    pub fn place(&self, pose: Pose, tie: &Tie) -> Pose {
         let of = |index: usize| self.mean[FIRST_KNOT + 3 * index + 2];
-        of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
+        let turn = of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share;
+        Pose {
+            position: pose.position + self.displacement(pose.position, tie),
+            heading: angle::wrap(pose.heading + turn),
+        }
     }
 
     /// Rows of (x, y, heading) of what knot `late` is off from where knot `early` puts it.
@@ -290,6 +340,55 @@ impl Survey {
         }
         self.update(&row, -off, variance);
         Some(self.take_pose(pose))
+    }
+
+    /// What is `off` a surface along `normal`, at `point` as believed when its knots were marked;
+    /// `surface` says how that surface moves off with its unknowns.
+    #[must_use]
+    pub fn look(
+        &self,
+        point: Point,
+        normal: Vector,
+        tie: &Tie,
+        off: f64,
+        surface: [f64; 3],
+    ) -> Look {
+        let of = |index: usize, weight: f64| {
+            let lever = normal.dot(&perp(point - self.knots[index].at));
+            [weight * normal.x, weight * normal.y, weight * lever]
+        };
+        let knots = [of(tie.first, 1.0 - tie.share), of(tie.second, tie.share)];
+        Look { tie: (tie.first, tie.second), knots, surface, off, variance: 0.0 }
+    }
+
+    /// Lays all of `looks` on one surface that is itself unknown. Looks that cannot be of it at all
+    /// are passed over.
+    pub fn lay(&mut self, looks: &[Look]) {
+        let size = self.mean.len();
+        self.covariance =
+            std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
+        self.mean =
+            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
+        for k in 0..3 {
+            self.covariance[(size + k, size + k)] = SURFACE_SD * SURFACE_SD;
+        }
+        for look in looks {
+            let mut row: Vec<(usize, f64)> = Vec::with_capacity(9);
+            for (index, weights) in [look.tie.0, look.tie.1].into_iter().zip(look.knots) {
+                let start = FIRST_KNOT + 3 * index;
+                row.extend(weights.into_iter().enumerate().map(|(k, w)| (start + k, w)));
+            }
+            row.extend(look.surface.into_iter().enumerate().map(|(k, w)| (size + k, -w)));
+            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+            let innovation = -look.off - predicted;
+            let spread = self.spread(&row) + look.variance;
+            if innovation * innovation < GATE * GATE * spread {
+                self.update(&row, innovation, look.variance);
+            }
+        }
+        self.covariance = std::mem::take(&mut self.covariance).resize(size, size, 0.0);
+        self.mean =
+            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size, 0.0);
     }
 
     /// Hands out the correction of the pose that has come together.

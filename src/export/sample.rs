@@ -193,7 +193,7 @@ fn path() -> Vec<PathPoint> {
             let at = from + (to - from) * (f64::from(k) / f64::from(steps));
             let pose = Pose { position: at, heading };
             let phase = if k == 0 { pair[0].2 } else { pair[1].2 };
-            points.push(PathPoint { pose, time_us, rested_us: 0, phase });
+            points.push(PathPoint { pose, time_us, rested_us: 0, spun: 0.0, wheels: 0.0, phase });
             time_us += 500_000;
         }
     }

@@ -7,7 +7,8 @@
 
 use super::circuit::Closure;
 use super::map::{Misclosure, PathPoint};
-use super::survey::{Survey, Tie};
+use super::odometry::Tracker;
+use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch};
 use crate::geometry::fit::Moments;
 use crate::geometry::{Point, Pose, Vector, angle, cross, perp};
@@ -63,7 +64,7 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
         .collect();
     let lap = closure.length();
     let centre = closure.to.pose.position;
-    let prior = traverse.prior();
+    let (prior, expected) = traverse.prior();
     let shift = closure.to.pose.position - closure.from.pose.position;
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
@@ -73,7 +74,7 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
         Vector3::new(shift.x, shift.y, 0.0),
         Vector3::new(shift.x, shift.y, turn),
     ];
-    let laid = Laid { early: &early, late: &late, centre, prior };
+    let laid = Laid { early: &early, late: &late, centre, prior, expected };
     let mut best = laid.closest(starts[0]);
     for start in &starts[1..] {
         let other = laid.closest(*start);
@@ -113,6 +114,7 @@ struct Laid<'a> {
     late: &'a [Point],
     centre: Point,
     prior: Matrix3<f64>,
+    expected: Vector3<f64>,
 }
 
 impl Laid<'_> {
@@ -171,7 +173,7 @@ impl Laid<'_> {
             (normal, right) = well_seen(&normal, &right, known);
             (fit.normal, fit.right) = (normal, right);
             (fit.agreeing, fit.known) = (agreeing, known);
-            let Some(solution) = (normal + self.prior).lu().solve(&right) else {
+            let Some(solution) = (normal + self.prior).lu().solve(&(right + self.expected)) else {
                 break;
             };
             let change = (solution - found).norm();
@@ -261,11 +263,16 @@ pub struct Traverse {
 }
 
 impl Traverse {
-    /// The lap `closure` of the trajectory `path`, in order; errors count from `since_us` (robot
-    /// time) on.
+    /// The lap `closure` of what `tracker` drove; errors count from `since_us` (robot time) on.
     #[must_use]
-    pub fn new(path: &[PathPoint], closure: &Closure, since_us: u64) -> Self {
-        let mut survey = Survey::default();
+    pub fn new(tracker: &Tracker, closure: &Closure, since_us: u64) -> Self {
+        let (path, blank) = (tracker.path(), Survey::new(tracker.resolution()));
+        let once = Self::over(blank.clone(), path, closure, since_us);
+        // Now that it is known how the wheels hold the floor, the first metres are weighed again.
+        Self::over(blank.on_the_floor_of(&once.survey), path, closure, since_us)
+    }
+
+    fn over(mut survey: Survey, path: &[PathPoint], closure: &Closure, since_us: u64) -> Self {
         let begin = path.partition_point(|point| point.time_us < since_us).saturating_sub(1);
         let path = &path[begin.min(path.len())..];
         let length: f64 =
@@ -277,7 +284,14 @@ impl Traverse {
                 let rested = point.rested_us.saturating_sub(before.rested_us);
                 let passed = point.time_us.saturating_sub(before.time_us);
                 let seconds = passed.saturating_sub(rested) as f64 * 1e-6;
-                survey.predict(before.pose, point.pose, seconds, WHEEL_SD);
+                let step = Step {
+                    from: before.pose,
+                    to: point.pose,
+                    seconds,
+                    gyro: point.spun - before.spun,
+                    wheels: point.wheels - before.wheels,
+                };
+                survey.predict(&step, WHEEL_SD);
                 since_knot += (point.pose.position - before.pose.position).norm();
             }
             let is_from = from.is_none() && point.time_us >= closure.from.time_us;
@@ -292,11 +306,14 @@ impl Traverse {
         Self { survey, ends: from.zip(to) }
     }
 
-    /// Information (inverse covariance) on the misclosure (dx, dy, heading) before any overlap.
-    fn prior(&self) -> Matrix3<f64> {
-        let expected = self.ends.map(|(from, to)| self.survey.relative(&from, &to));
+    /// Information (inverse covariance) on the misclosure (dx, dy, heading) before any overlap, and
+    /// that times the misclosure that is expected.
+    fn prior(&self) -> (Matrix3<f64>, Vector3<f64>) {
+        let Some((from, to)) = self.ends else { return (Matrix3::zeros(), Vector3::zeros()) };
         let floor = Matrix3::from_diagonal(&Vector3::new(1e-6, 1e-6, 1e-6));
-        expected.and_then(|spread| (spread + floor).try_inverse()).unwrap_or_else(Matrix3::zeros)
+        let spread = self.survey.relative(&from, &to) + floor;
+        let information = spread.try_inverse().unwrap_or_else(Matrix3::zeros);
+        (information, information * self.survey.misclosure(&from, &to))
     }
 }
 
@@ -307,12 +324,12 @@ pub struct Adjustment {
 }
 
 impl Adjustment {
-    /// Takes what `overlap` measured out of the lap `closure`; `path` is the trajectory, in order, of
-    /// which the part since `since_us` (robot time) is adjusted. What lies before that stays, what
-    /// lies after the lap moves with its end.
+    /// Takes what `overlap` measured out of the lap `closure` of what `tracker` drove; the part since
+    /// `since_us` (robot time) is adjusted. What lies before that stays, what lies after the lap
+    /// moves with its end.
     #[must_use]
-    pub fn new(path: &[PathPoint], closure: &Closure, overlap: &Overlap, since_us: u64) -> Self {
-        let Traverse { mut survey, ends } = Traverse::new(path, closure, since_us);
+    pub fn new(tracker: &Tracker, closure: &Closure, overlap: &Overlap, since_us: u64) -> Self {
+        let Traverse { mut survey, ends } = Traverse::new(tracker, closure, since_us);
         if let Some((from, to)) = ends {
             survey.close(&from, &to, &overlap.normal, &overlap.right);
         }

@@ -140,7 +140,7 @@ impl Circuit {
             && tracker.travelled() > closure.to.travelled + self.overlap
         {
             let since = closure.from.time_us;
-            let traverse = Traverse::new(tracker.path(), &closure, since);
+            let traverse = Traverse::new(tracker, &closure, since);
             let overlap = measure(&closure, self.wall.log(), &traverse);
             let driven = tracker.travelled() - closure.to.travelled;
             let enough = overlap.sd.0 < POSITION_ENOUGH && overlap.sd.1 < HEADING_ENOUGH;

@@ -279,6 +279,10 @@ pub struct PathPoint {
     pub time_us: u64,
     /// How long the robot had stood still in all, microseconds.
     pub rested_us: u64,
+    /// How far the gyro had turned in all, believed drift taken out, radians.
+    pub spun: f64,
+    /// How far the wheels had turned the robot in all, radians.
+    pub wheels: f64,
     /// Which phase it belongs to.
     pub phase: Phase,
 }

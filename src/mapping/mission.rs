@@ -16,7 +16,7 @@ use super::search::{Next, Search, lap_contacts};
 use super::settings::Settings;
 use super::shape;
 use super::smooth::smooth;
-use super::survey::Survey;
+use super::survey::{Step, Survey};
 use super::tour::{Scene, Tour};
 use super::wall::Wall;
 use crate::geometry::{Point, Pose, Ring};
@@ -88,9 +88,10 @@ impl Mission {
     pub fn new(settings: Settings) -> Self {
         let rest =
             AtRest { pose: settings.start, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
+        let tracker = Tracker::new(&settings.chassis, settings.start);
         Self {
-            tracker: Tracker::new(&settings.chassis, settings.start),
-            survey: Survey::default(),
+            survey: Survey::new(tracker.resolution()),
+            tracker,
             map: RoomMap::default(),
             phase: Phase::Boundary,
             task: Task::Search(Box::new(Search::new(&settings))),
@@ -313,6 +314,7 @@ impl Mission {
     fn odometer(&mut self, odometer: &Odometer) -> Pose {
         let (before, time) = (self.tracker.pose(), self.tracker.time_us());
         let rested = self.tracker.rested_us();
+        let (spun, wheels) = self.tracker.spun();
         let pose = self.tracker.advance(odometer, self.phase);
         let rested = self.tracker.rested_us() - rested;
         if let Some((seconds, rate)) = self.tracker.take_drift() {
@@ -321,7 +323,15 @@ impl Mission {
         }
         if self.phase == Phase::Objects {
             let passed = odometer.time_us.saturating_sub(time).saturating_sub(rested);
-            self.survey.predict(before, pose, passed as f64 * 1e-6, WHEEL_SD);
+            let now = self.tracker.spun();
+            let step = Step {
+                from: before,
+                to: pose,
+                seconds: passed as f64 * 1e-6,
+                gyro: now.0 - spun,
+                wheels: now.1 - wheels,
+            };
+            self.survey.predict(&step, WHEEL_SD);
         }
         let (travelled, closed) = (self.tracker.travelled(), self.closed);
         if let Some(wall) = self.wall_mut() {
@@ -424,7 +434,7 @@ impl Mission {
     /// Takes the misclosure out of the lap, its contacts, the trajectory and the pose, and learns
     /// the gyro's drift from it.
     fn close_boundary(&mut self, wall: &Wall, closure: &Closure, overlap: &Overlap) {
-        let adjustment = Adjustment::new(self.tracker.path(), closure, overlap, 0);
+        let adjustment = Adjustment::new(&self.tracker, closure, overlap, 0);
         self.map.contacts = lap_contacts(wall, closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);

@@ -27,6 +27,10 @@ pub struct Tracker {
     heading: f64,
     last: Option<Odometer>,
     travelled: f64,
+    /// How far the gyro turned in all, believed drift taken out, and the wheels, radians.
+    spun: f64,
+    wheels: f64,
+    wheel_base: f64,
     bias: f64,
     /// When the wheels turned last, microseconds.
     rolled: u64,
@@ -47,6 +51,9 @@ impl Tracker {
             heading: start.heading,
             last: None,
             travelled: 0.0,
+            spun: 0.0,
+            wheels: 0.0,
+            wheel_base: chassis.wheel_base,
             bias: 0.0,
             rolled: 0,
             rested_us: 0,
@@ -70,6 +77,9 @@ impl Tracker {
                 self.drift = (self.drift.0 + seconds, self.drift.1 + turned);
                 turned = 0.0;
             }
+            let against = (to.right_ticks - last.right_ticks) - (to.left_ticks - last.left_ticks);
+            self.wheels += against as f64 * self.tick / self.wheel_base;
+            self.spun += turned;
             let middle = self.heading + turned / 2.0;
             self.heading += turned;
             self.pose.position += angle::unit(middle) * distance;
@@ -87,7 +97,8 @@ impl Tracker {
         });
         if moved {
             let rested_us = self.rested_us;
-            self.path.push(PathPoint { pose: self.pose, time_us, rested_us, phase });
+            let (pose, spun, wheels) = (self.pose, self.spun, self.wheels);
+            self.path.push(PathPoint { pose, time_us, rested_us, spun, wheels, phase });
         }
     }
 
@@ -95,6 +106,19 @@ impl Tracker {
     pub fn correct(&mut self, to: Pose) {
         self.heading += angle::wrap(to.heading - self.heading);
         self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
+    }
+
+    /// By how much one tick of one wheel turns the robot, radians.
+    #[must_use]
+    pub fn resolution(&self) -> f64 {
+        self.tick / self.wheel_base
+    }
+
+    /// How far the gyro turned in all, believed drift taken out, and how far the wheels say that
+    /// they turned the robot, radians.
+    #[must_use]
+    pub fn spun(&self) -> (f64, f64) {
+        (self.spun, self.wheels)
     }
 
     /// How long the heading was held in all, microseconds of robot time.

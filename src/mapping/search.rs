@@ -250,7 +250,7 @@ impl Search {
         tell: &mut Vec<EventKind>,
     ) {
         let since = closure.from.time_us;
-        let adjustment = Adjustment::new(tracker.path(), closure, overlap, since);
+        let adjustment = Adjustment::new(tracker, closure, overlap, since);
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
         let (outline, class) = object_outline(&contacts, true);
         let id = map.objects.len() as u32 + 1;

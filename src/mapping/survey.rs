@@ -11,7 +11,12 @@
 //! Cheeseman 1990) with past poses as landmarks (stochastic cloning, Roumeliotis and Burdick 2002),
 //! on small corrections to a nominal survey: linear but for the residuals.
 
+mod leg;
+
+pub use leg::Step;
+
 use crate::geometry::{Point, Pose, Vector, angle, perp};
+use leg::{Grip, Leg};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
@@ -30,11 +35,18 @@ const FARTHEST: f64 = 0.15;
 /// How far off a surface may be before anything is known of it, metres.
 const SURFACE_SD: f64 = 0.3;
 
-/// Rows of the pose, of the gyro's drift, and of its scale.
+/// What one wheel's scale may be off from the other's before anything is known of it, radians per
+/// metre.
+const WHEELS_SD: f64 = 0.05;
+
+/// Rows of the pose, of the gyro's drift and scale, of what the wheels turn by when they should go
+/// straight (per metre), and of what the gyro wandered since the leg began.
 const POSE: usize = 0;
 const BIAS: usize = 3;
 const SCALE: usize = 4;
-const FIRST_KNOT: usize = 5;
+const WHEELS: usize = 5;
+const WANDER: usize = 6;
+const FIRST_KNOT: usize = 7;
 
 /// A place of the survey whose error is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,26 +128,76 @@ pub struct Survey {
     /// Corrections to the nominal survey: of the pose only what was not yet handed out.
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
-}
-
-impl Default for Survey {
-    fn default() -> Self {
-        let mut covariance = DMatrix::zeros(FIRST_KNOT, FIRST_KNOT);
-        covariance[(BIAS, BIAS)] = BIAS_SD * BIAS_SD;
-        covariance[(SCALE, SCALE)] = SCALE_SD * SCALE_SD;
-        Self { knots: Vec::new(), mean: DVector::zeros(FIRST_KNOT), covariance }
-    }
+    leg: Leg,
+    grip: Grip,
+    /// Turn of the wheels for one tick of one of them, radians.
+    resolution: f64,
 }
 
 impl Survey {
-    /// The robot went from `from` to `to` in `seconds`; the wheels' own error adds `wheel_sd` metres
-    /// per root metre.
-    pub fn predict(&mut self, from: Pose, to: Pose, seconds: f64, wheel_sd: f64) {
-        let moved = to.position - from.position;
-        let turned = angle::wrap(to.heading - from.heading);
-        let mut step = Matrix3::identity();
-        step[(0, 2)] = -moved.y;
-        step[(1, 2)] = moved.x;
+    /// Nothing surveyed yet by a robot that the wheels turn by `resolution` radians for one tick of
+    /// one of them.
+    #[must_use]
+    pub fn new(resolution: f64) -> Self {
+        let mut covariance = DMatrix::zeros(FIRST_KNOT, FIRST_KNOT);
+        covariance[(BIAS, BIAS)] = BIAS_SD * BIAS_SD;
+        covariance[(SCALE, SCALE)] = SCALE_SD * SCALE_SD;
+        covariance[(WHEELS, WHEELS)] = WHEELS_SD * WHEELS_SD;
+        Self {
+            knots: Vec::new(),
+            mean: DVector::zeros(FIRST_KNOT),
+            covariance,
+            leg: Leg::default(),
+            grip: Grip::default(),
+            resolution,
+        }
+    }
+
+    /// The same, on a floor of which `known` has learnt how the wheels hold it.
+    #[must_use]
+    pub fn on_the_floor_of(self, known: &Self) -> Self {
+        Self { grip: known.grip, ..self }
+    }
+
+    /// The robot made `step`; the wheels' own error adds `wheel_sd` metres per root metre.
+    pub fn predict(&mut self, step: &Step, wheel_sd: f64) {
+        if self.leg.is_new() {
+            self.begin_leg();
+        }
+        self.drift(step, wheel_sd);
+        if let Some(leg) = self.leg.take(step) {
+            self.weigh(&leg);
+        }
+    }
+
+    /// Counts what the gyro wanders from here on.
+    fn begin_leg(&mut self) {
+        self.covariance.row_mut(WANDER).fill(0.0);
+        self.covariance.column_mut(WANDER).fill(0.0);
+        self.mean[WANDER] = 0.0;
+    }
+
+    /// Weighs what the wheels say of the heading at the end of `leg` against the gyro.
+    fn weigh(&mut self, leg: &Leg) {
+        let row = [(WANDER, 1.0), (WHEELS, -leg.length)];
+        let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+        let innovation = leg.off - predicted;
+        let least = leg.variance(self.resolution);
+        let spread = self.spread(&row) + least;
+        let variance = least + self.grip.wander() * leg.length;
+        self.grip.learn(leg.length, innovation, spread);
+        if innovation * innovation < GATE * GATE * (spread + variance - least) {
+            self.update(&row, innovation, variance);
+        }
+    }
+
+    /// Spreads the errors over a step.
+    fn drift(&mut self, step: &Step, wheel_sd: f64) {
+        let moved = step.to.position - step.from.position;
+        let (seconds, turned) = (step.seconds, step.turned());
+        let mut onward = Matrix3::identity();
+        onward[(0, 2)] = -moved.y;
+        onward[(1, 2)] = moved.x;
         // Drift over the step turns the heading, and half of it the way.
         let lever = Vector3::new(-moved.y / 2.0, moved.x / 2.0, 1.0);
         let (by_bias, by_scale) = (lever * seconds, lever * turned);
@@ -146,12 +208,14 @@ impl Survey {
                 self.covariance[(1, column)],
                 self.covariance[(2, column)],
             );
-            let new = step * old
+            let new = onward * old
                 + by_bias * self.covariance[(BIAS, column)]
                 + by_scale * self.covariance[(SCALE, column)];
             for row in 0..3 {
                 self.covariance[(row, column)] = new[row];
             }
+            self.covariance[(WANDER, column)] += seconds * self.covariance[(BIAS, column)]
+                + turned * self.covariance[(SCALE, column)];
         }
         for row in 0..size {
             let old = Vector3::new(
@@ -159,24 +223,29 @@ impl Survey {
                 self.covariance[(row, 1)],
                 self.covariance[(row, 2)],
             );
-            let new = step * old
+            let new = onward * old
                 + by_bias * self.covariance[(row, BIAS)]
                 + by_scale * self.covariance[(row, SCALE)];
             for column in 0..3 {
                 self.covariance[(row, column)] = new[column];
             }
+            self.covariance[(row, WANDER)] += seconds * self.covariance[(row, BIAS)]
+                + turned * self.covariance[(row, SCALE)];
         }
-        let pose = step * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
+        let pose = onward * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
             + by_bias * self.mean[BIAS]
             + by_scale * self.mean[SCALE];
         for row in 0..3 {
             self.mean[row] = pose[row];
         }
+        self.mean[WANDER] += seconds * self.mean[BIAS] + turned * self.mean[SCALE];
         let along = wheel_sd * wheel_sd * moved.norm();
         let walk = HEADING_WALK * HEADING_WALK * seconds;
         self.covariance[(0, 0)] += along;
         self.covariance[(1, 1)] += along;
-        self.covariance[(2, 2)] += walk;
+        for (row, column) in [(2, 2), (2, WANDER), (WANDER, 2), (WANDER, WANDER)] {
+            self.covariance[(row, column)] += walk;
+        }
     }
 
     /// The gyro was seen to drift at `rate` (radians per second, beyond what was taken out) while the
@@ -294,6 +363,13 @@ impl Survey {
             });
             terms.sum()
         })
+    }
+
+    /// The misclosure (dx, dy, heading) between two knots that what is known so far leads to expect.
+    #[must_use]
+    pub fn misclosure(&self, early: &Tie, late: &Tie) -> Vector3<f64> {
+        let rows = self.relation(early, late);
+        Vector3::from_fn(|k, _| -rows[k].iter().map(|(i, w)| self.mean[*i] * w).sum::<f64>())
     }
 
     /// Lays the pose at knot `late` on the place of knot `early`. By how much it is off was measured

@@ -61,7 +61,7 @@ impl Tour {
             }
             Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
                 let since = closure.from.time_us;
-                let adjustment = Adjustment::new(scene.tracker.path(), &closure, &overlap, since);
+                let adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
                 let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let (outline, class) = object_outline(&contacts, true);
                 scene

@@ -1,0 +1,127 @@
+//! What the wheels say of the heading on a stretch without a turn.
+//!
+//! The gyro wanders with time, two encoders with the way: over a long straight drive the wheels are
+//! the better judges of whether the robot has turned, over a turn the gyro is (gyrodometry:
+//! Borenstein and Feng 1996, here weighed instead of switched). How good the wheels are on this
+//! floor is learnt from how well they agree with the gyro.
+
+use crate::geometry::{Pose, angle};
+
+/// One step of the way, between two readings of the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Where it was believed to begin.
+    pub from: Pose,
+    /// Where it was believed to end.
+    pub to: Pose,
+    /// Time the robot was not at rest, seconds.
+    pub seconds: f64,
+    /// By how much the gyro turned, believed drift taken out, radians.
+    pub gyro: f64,
+    /// By how much the wheels turned, radians: right less left over the wheel base.
+    pub wheels: f64,
+}
+
+impl Step {
+    fn length(&self) -> f64 {
+        (self.to.position - self.from.position).norm()
+    }
+
+    /// Whether it belongs to a turn: a bend of less than a metre of radius.
+    fn turns(&self) -> bool {
+        self.gyro.abs() > 0.004 + self.length()
+    }
+
+    /// By how much the believed heading changed, radians.
+    pub(super) fn turned(&self) -> f64 {
+        angle::wrap(self.to.heading - self.from.heading)
+    }
+}
+
+/// Shorter stretches say less than one encoder tick does, metres.
+const LEAST_LENGTH: f64 = 0.5;
+/// What a turn of the wheels may be off by, as a share of it: scrub, wheel base.
+const TURN_SHARE: f64 = 0.005;
+const NET_SHARE: f64 = 0.01;
+/// What the wheels are believed to wander before anything is known of the floor, square radians per
+/// metre (0.1 degrees a root metre), and how many metres that belief is worth.
+const WANDER: f64 = 3.0e-6;
+const WORTH: f64 = 10.0;
+/// No floor is believed to be better than this, square radians per metre.
+const LEAST_WANDER: f64 = 1.0e-7;
+
+/// What was learnt of how the wheels hold the floor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Grip {
+    /// Weighted metres, and the squares beyond what was expected without any wander.
+    metres: f64,
+    squares: f64,
+}
+
+impl Default for Grip {
+    fn default() -> Self {
+        Self { metres: WORTH, squares: WORTH * WANDER }
+    }
+}
+
+impl Grip {
+    /// Variance of the wheels' heading, square radians per metre.
+    pub(super) fn wander(self) -> f64 {
+        (self.squares / self.metres).max(LEAST_WANDER)
+    }
+
+    /// Learns from a leg of `length` metres that was off by `innovation`, with `spread` (square
+    /// radians) expected had the wheels not wandered at all.
+    pub(super) fn learn(&mut self, length: f64, innovation: f64, spread: f64) {
+        // A slip is no wander.
+        let square = (innovation * innovation).min(12.0 * (spread + self.wander() * length));
+        // What is itself uncertain by more than the wander says little of it.
+        let weight = (WANDER * length / (spread + WANDER * length)).powi(2);
+        self.metres += weight * length;
+        self.squares += weight * (square - spread);
+    }
+}
+
+/// A stretch without a turn, as it grows.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Leg {
+    /// Metres.
+    pub(super) length: f64,
+    /// By how much the wheels turned more than the gyro, radians.
+    pub(super) off: f64,
+    net: f64,
+    squares: f64,
+}
+
+impl Leg {
+    /// Takes the next step; the leg that ended with it, if it was long enough to count.
+    pub(super) fn take(&mut self, step: &Step) -> Option<Self> {
+        if step.turns() {
+            return self.end();
+        }
+        self.length += step.length();
+        self.off += step.wheels - step.gyro;
+        self.net += step.gyro;
+        self.squares += step.gyro * step.gyro;
+        None
+    }
+
+    /// Ends it here.
+    pub(super) fn end(&mut self) -> Option<Self> {
+        Some(std::mem::take(self)).filter(|leg| leg.length > LEAST_LENGTH)
+    }
+
+    /// Whether nothing of it was driven yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.length == 0.0
+    }
+
+    /// Variance of `off` but for the wander of the wheels and of the gyro, square radians; one tick
+    /// of one wheel is `resolution` radians.
+    pub(super) fn variance(&self, resolution: f64) -> f64 {
+        // Two wheels, at both ends, each rounded to a tick.
+        resolution * resolution / 3.0
+            + TURN_SHARE * TURN_SHARE * self.squares
+            + (NET_SHARE * self.net).powi(2)
+    }
+}

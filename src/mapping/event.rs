@@ -161,6 +161,11 @@ pub enum EventKind {
         /// By how much, metres.
         by: f64,
     },
+    /// The pose had become uncertain: the robot goes to a corner to see where it is.
+    Bearings {
+        /// One standard deviation of its position beside the walls there, metres.
+        sd: f64,
+    },
     /// Why the next motion was chosen.
     Reason {
         /// In words.
@@ -319,6 +324,11 @@ impl fmt::Display for EventKind {
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
             Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
+            Self::Bearings { sd } => write!(
+                f,
+                "position sure to {:.0} mm only: taking bearings in a corner",
+                sd * 1e3
+            ),
             Self::Reason { why } => f.write_str(why),
             Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),

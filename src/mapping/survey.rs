@@ -365,6 +365,32 @@ impl Survey {
         })
     }
 
+    /// One standard deviation, in its worse direction, of the robot's position, believed to be `at`,
+    /// beside the part of the survey nearest to it, metres. What the whole survey is turned and
+    /// shifted by does not count.
+    #[must_use]
+    pub fn looseness(&self, at: Point) -> f64 {
+        let nearest = self
+            .knots
+            .iter()
+            .enumerate()
+            .min_by(|a, b| (a.1.at - at).norm_squared().total_cmp(&(b.1.at - at).norm_squared()));
+        let Some((index, knot)) = nearest else { return self.position_sd() };
+        let start = FIRST_KNOT + 3 * index;
+        let lever = perp(at - knot.at);
+        let rows: [[(usize, f64); 3]; 2] = [
+            [(POSE, 1.0), (start, -1.0), (start + 2, -lever.x)],
+            [(POSE + 1, 1.0), (start + 1, -1.0), (start + 2, -lever.y)],
+        ];
+        let c = |i: usize, j: usize| {
+            let terms = rows[i]
+                .iter()
+                .flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
+            terms.map(|(k, l, weight)| self.covariance[(k, l)] * weight).sum::<f64>()
+        };
+        worse(c(0, 0), c(0, 1), c(1, 1))
+    }
+
     /// The misclosure (dx, dy, heading) between two knots that what is known so far leads to expect.
     #[must_use]
     pub fn misclosure(&self, early: &Tie, late: &Tie) -> Vector3<f64> {
@@ -519,9 +545,7 @@ impl Survey {
 
     fn worst(&self, row: usize) -> f64 {
         let c = |i: usize, j: usize| self.covariance[(row + i, row + j)];
-        let middle = f64::midpoint(c(0, 0), c(1, 1));
-        let spread = angle::hypot((c(0, 0) - c(1, 1)) / 2.0, c(0, 1));
-        (middle + spread).max(0.0).sqrt()
+        worse(c(0, 0), c(0, 1), c(1, 1))
     }
 
     /// One standard deviation of the heading, radians.
@@ -529,4 +553,10 @@ impl Survey {
     pub fn heading_sd(&self) -> f64 {
         self.covariance[(POSE + 2, POSE + 2)].max(0.0).sqrt()
     }
+}
+
+/// Standard deviation along the longer axis of the ellipse of a plane covariance.
+fn worse(xx: f64, xy: f64, yy: f64) -> f64 {
+    let (middle, spread) = (f64::midpoint(xx, yy), angle::hypot((xx - yy) / 2.0, xy));
+    (middle + spread).max(0.0).sqrt()
 }

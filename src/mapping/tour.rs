@@ -6,6 +6,7 @@
 //! Every touch of something mapped corrects the pose. When all lines are driven, what they could
 //! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps.
 
+mod bearings;
 mod drive;
 mod rounds;
 
@@ -88,6 +89,8 @@ pub struct Tour {
     halves: Vec<(u32, Half)>,
     extra: usize,
     begun: bool,
+    /// Metres driven when bearings were taken last.
+    bearings_at: f64,
 }
 
 impl Tour {
@@ -118,6 +121,7 @@ impl Tour {
             halves: Vec::new(),
             extra: 0,
             begun: false,
+            bearings_at: f64::NEG_INFINITY,
         }
     }
 
@@ -219,6 +223,11 @@ impl Tour {
     }
 
     fn choose(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+        if self.begun
+            && let Some(drive) = self.bearings(scene)
+        {
+            return Some(drive);
+        }
         self.begun = true;
         while let Some((id, backwards)) = self.queue.pop_front() {
             let line = scene.map.plan.as_mut()?.lines.iter_mut().find(|line| line.id == id)?;
@@ -331,6 +340,10 @@ impl Tour {
             _ => {}
         }
         if drive.way.is_empty() && !self.plan_piece(&mut drive, scene.rest.pose.position) {
+            if drive.bearings {
+                self.doing = Doing::Choosing;
+                return (!drive.skipped).then(|| self.look_round());
+            }
             let reached = drive.done > 0.5 * (drive.to - drive.from).norm() || !drive.skipped;
             if reached && !drive.skipped {
                 self.end_line(&drive, LineStatus::Driven, None, scene);
@@ -427,6 +440,10 @@ impl Tour {
         reason: Option<LineReason>,
         scene: &mut Scene<'_>,
     ) {
+        self.doing = Doing::Choosing;
+        if drive.bearings {
+            return;
+        }
         self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);
         let line =
             scene.map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
@@ -441,7 +458,6 @@ impl Tour {
             // Two-pass contour: the same line the other way, with the object on the same hand.
             self.queue.push_front((drive.id, !drive.backwards));
         }
-        self.doing = Doing::Choosing;
     }
 }
 

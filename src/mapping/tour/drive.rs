@@ -34,6 +34,8 @@ pub(super) struct Drive {
     pub(super) again: bool,
     /// Driven from its end.
     pub(super) backwards: bool,
+    /// No line at all, but the way to a corner where bearings are taken.
+    pub(super) bearings: bool,
 }
 
 impl Drive {
@@ -51,6 +53,7 @@ impl Drive {
             way: VecDeque::new(),
             again: false,
             backwards: false,
+            bearings: false,
         }
     }
 

@@ -457,7 +457,7 @@ impl Mission {
             point.pose = survey.place(point.pose, &tie);
         }
         let now = survey.take_pose(self.tracker.pose());
-        self.tracker.correct(now);
+        self.tracker.settle(now);
         self.rest.pose = now;
         self.tracker.set_bias(self.tracker.bias() - survey.take_bias());
         survey.rebase();

@@ -18,6 +18,9 @@ const SETTLING: u64 = 300_000;
 /// Rests are gathered until they are this long before the gyro's drift is told from them, seconds.
 const LEAST_REST: f64 = 2.0;
 
+/// Corrections nearer to each other than this along the way are one, metres.
+const LEAST_APART: f64 = 0.3;
+
 /// The believed pose and the trajectory so far.
 #[derive(Debug, Clone)]
 pub struct Tracker {
@@ -39,6 +42,17 @@ pub struct Tracker {
     rested_us: u64,
     drift: (f64, f64),
     path: Vec<PathPoint>,
+    fixed: Fixed,
+}
+
+/// When the pose was corrected last.
+#[derive(Debug, Clone, Copy, Default)]
+struct Fixed {
+    /// Metres travelled, and places of the trajectory, at the last correction.
+    at: f64,
+    from: usize,
+    /// Places of the trajectory at the last of the corrections before these.
+    since: usize,
 }
 
 impl Tracker {
@@ -59,6 +73,7 @@ impl Tracker {
             rested_us: 0,
             drift: (0.0, 0.0),
             path: Vec::new(),
+            fixed: Fixed::default(),
         }
     }
 
@@ -102,10 +117,39 @@ impl Tracker {
         }
     }
 
-    /// Moves the believed pose by a correction that was measured against the map.
+    /// Moves the believed pose by a correction that was measured against the map. What was driven
+    /// since the last correction is moved too, in proportion to the way: that is where the error
+    /// came from.
     pub fn correct(&mut self, to: Pose) {
+        let turned = angle::wrap(to.heading - self.heading);
+        let moved = to.position - self.pose.position;
+        if self.travelled - self.fixed.at > LEAST_APART {
+            self.fixed.since = self.fixed.from;
+        }
+        let since = self.fixed.since.min(self.path.len());
+        let mut way = 0.0;
+        let ways: Vec<f64> = self.path[since..]
+            .windows(2)
+            .map(|w| {
+                way += (w[1].pose.position - w[0].pose.position).norm();
+                way
+            })
+            .collect();
+        for (point, part) in self.path[since..].iter_mut().skip(1).zip(ways) {
+            let share = part / way.max(1e-9);
+            point.pose.position += moved * share;
+            point.pose.heading = angle::wrap(point.pose.heading + turned * share);
+        }
+        let begun = self.fixed.since;
+        self.settle(to);
+        self.fixed.since = begun;
+    }
+
+    /// Goes on from `to`, to which all that was driven leads by now.
+    pub fn settle(&mut self, to: Pose) {
         self.heading += angle::wrap(to.heading - self.heading);
         self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
+        self.fixed = Fixed { at: self.travelled, from: self.path.len(), since: self.path.len() };
     }
 
     /// By how much one tick of one wheel turns the robot, radians.

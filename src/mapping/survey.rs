@@ -27,7 +27,7 @@ const BIAS_SD: f64 = 1.5e-4;
 /// What the gyro's scale may be off by.
 const SCALE_SD: f64 = 1.0e-3;
 /// A contact about the surface it lies on, metres: jitter of the switch, fit of the wall.
-const CONTACT_SD: f64 = 0.004;
+const CONTACT_SD: f64 = 0.002;
 /// How far from a surface a contact may lie and still be of it, in standard deviations and metres.
 const GATE: f64 = 3.5;
 const FARTHEST: f64 = 0.15;

@@ -14,7 +14,7 @@ const END: f64 = 0.03;
 /// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
 /// every purpose of the robot's.
 const SHORTEST: f64 = 0.22;
-/// Corners of the island next to its chords that may be left out to make its outline simple.
+/// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres.
 const NECK: f64 = 0.15;
@@ -22,6 +22,8 @@ const NECK: f64 = 0.15;
 const SMALLEST: f64 = 8e-4;
 /// Nothing larger than this share of the room is cut off.
 const LARGEST: f64 = 0.25;
+/// Islands of more pieces than this are not searched for rounds.
+const MOST_PIECES: usize = 120;
 /// Chords stand for arcs within this, metres.
 const SAGITTA: f64 = 0.001;
 
@@ -91,12 +93,15 @@ fn split(outline: &Ring, i: usize, k: usize) -> Option<(Ring, Ring)> {
         let ring = Ring { pieces: ring };
         crossings(&ring.to_points(SAGITTA)).is_empty().then_some(ring)
     };
-    let rest = closed(between(k, i))?;
+    let trimmed = |whole: &[Piece]| {
+        let trims = (0..=2 * TRIMMED).flat_map(|sum| (0..=sum).map(move |m| (m, sum - m)));
+        trims
+            .filter(|(m, n)| *m <= TRIMMED && *n <= TRIMMED && m + n + 3 <= whole.len())
+            .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()))
+    };
+    let rest = trimmed(&between(k, i))?;
     let whole = between(i, k);
-    let trims = (0..=2 * TRIMMED).flat_map(|sum| (0..=sum).map(move |m| (m, sum - m)));
-    let island = trims
-        .filter(|(m, n)| *m <= TRIMMED && *n <= TRIMMED && m + n + 3 <= whole.len())
-        .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()))?;
+    let island = trimmed(&whole).or_else(|| one_round(&whole).and_then(closed))?;
     let area = island.area();
     if island.pieces.len() < 3
         || rest.pieces.len() < 3
@@ -108,6 +113,31 @@ fn split(outline: &Ring, i: usize, k: usize) -> Option<(Ring, Ring)> {
     let points = island.to_points(SAGITTA);
     let inside = points.iter().all(|p| rest.contains(*p) || rest.distance(*p) < 1e-3);
     inside.then(|| (rest, island.counter_clockwise()))
+}
+
+/// One round of what was gone round more than once: of the stretches of `pieces` that come back to
+/// where they began without crossing themselves, the one that encloses most.
+fn one_round(pieces: &[Piece]) -> Option<Vec<Piece>> {
+    let count = pieces.len();
+    if count > MOST_PIECES {
+        return None;
+    }
+    let mut rounds: Vec<(f64, usize, usize)> = (0..count)
+        .flat_map(|m| (m + 3..=count).map(move |n| (m, n)))
+        .filter(|&(m, n)| (pieces[m].from() - pieces[n - 1].to()).norm() < NECK)
+        .map(|(m, n)| {
+            let mut ring = pieces[m..n].to_vec();
+            ring.push(Piece::with_bulge(pieces[n - 1].to(), pieces[m].from(), 0.0));
+            (Ring { pieces: ring }.area(), m, n)
+        })
+        .collect();
+    // Gone round with the floor on the left, its area counts as negative.
+    rounds.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rounds.into_iter().map(|(_, m, n)| pieces[m..n].to_vec()).find(|stretch| {
+        let mut points = Ring { pieces: stretch.clone() }.to_points(SAGITTA);
+        points.push(stretch[stretch.len() - 1].to());
+        crossings(&points).is_empty()
+    })
 }
 
 #[cfg(test)]
@@ -149,6 +179,17 @@ mod tests {
         let (rest, found) = islands(room(), &[contact(1.0, 0.0), contact(1.8, 0.4)], 0.34);
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.16).abs() < 1e-9, "{}", found[0].area());
+        assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
+    }
+
+    #[test]
+    fn a_box_gone_round_twice_is_cut_off_once() {
+        let mut corners: Vec<Point> = room().pieces.iter().map(Piece::from).collect();
+        let again = [(1.81, 0.26), (1.79, 0.64), (2.21, 0.66), (2.19, 0.24)];
+        corners.splice(7..7, again.map(|(x, y)| Point::new(x, y)));
+        let (rest, found) = islands(Ring::polygon(&corners), &[contact(1.0, 0.0)], 0.34);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].area() - 0.16).abs() < 0.01, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
     }
 

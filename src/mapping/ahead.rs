@@ -17,6 +17,35 @@ pub struct Frontier {
     pub certain: bool,
     /// How far beyond the last contact it is believed, metres: in proportion to what was seen.
     pub extent: f64,
+    /// Whether a look has shown that it does not go on: its beam would have been in the way.
+    pub ended: bool,
+}
+
+/// What one beam swept over, open all the while, as the robot turned on the spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// Where the robot stood.
+    pub at: Point,
+    /// Direction of the beam at the beginning, in the map frame, radians.
+    pub from: f64,
+    /// By how much it turned, positive counter-clockwise, radians.
+    pub by: f64,
+    /// How far it would have seen, from the robot's centre, metres.
+    pub reach: f64,
+}
+
+/// A surface this much nearer than the reach, metres, and this far from either end of a sweep,
+/// radians, would have been seen.
+const SURE: f64 = 0.010;
+const INSIDE: f64 = 0.05;
+
+impl Sweep {
+    /// Whether nothing can be at `p`.
+    fn rules_out(&self, p: Point) -> bool {
+        let off = p - self.at;
+        let turned = angle::wrap(angle::of(off) - self.from) * self.by.signum();
+        off.norm() < self.reach - SURE && (INSIDE..self.by.abs() - INSIDE).contains(&turned)
+    }
 }
 
 /// A direction to step in.
@@ -50,8 +79,8 @@ const LONGEST_RUN: f64 = 0.6;
 impl Rolling {
     /// The first direction, counted from the nearest contact away from the wall, in which a
     /// straight step of `step` metres keeps the disc clear of all `contacts`; where the wall is not
-    /// known to have `ended`, it is taken to go on straight beyond the last of them. None when
-    /// every direction is blocked. Without contacts: straight ahead.
+    /// known to have `ended`, it is taken to go on straight beyond the last of them, but not through
+    /// what was `swept`. None when every direction is blocked. Without contacts: straight ahead.
     #[must_use]
     pub fn direction(
         &self,
@@ -59,18 +88,19 @@ impl Rolling {
         pose: Pose,
         step: f64,
         ended: bool,
+        swept: Option<&Sweep>,
     ) -> Option<Direction> {
         let Some(chain) = self.chain(contacts, pose.position) else {
             return Some(Direction { heading: pose.heading, frontier: None });
         };
-        let frontier = self.frontier(contacts, chain[chain.len() - 1], pose);
+        let mut frontier = self.frontier(contacts, chain[chain.len() - 1], pose);
         let mut obstacles = contacts.to_vec();
         if !ended {
-            let ahead = (step + self.radius).min(frontier.extent) / 0.02;
-            obstacles.extend(
-                (1..=ahead as i32)
-                    .map(|k| frontier.at + frontier.stretch.along * (f64::from(k) * 0.02)),
-            );
+            let count = ((step + self.radius).min(frontier.extent) / 0.02) as i32;
+            let beyond = |k: i32| frontier.at + frontier.stretch.along * (f64::from(k) * 0.02);
+            let seen_through = |p: &Point| swept.is_some_and(|sweep| sweep.rules_out(*p));
+            obstacles.extend((1..=count).map(beyond).take_while(|p| !seen_through(p)));
+            frontier.ended = (1..=count).any(|k| seen_through(&beyond(k)));
         }
         let toward = angle::of(chain[0] - pose.position);
         let heading = self
@@ -164,6 +194,6 @@ impl Rolling {
         };
         let onward = -self.side.sign() * cross(away, stretch.along);
         let along = if onward < 0.0 { -stretch.along } else { stretch.along };
-        Frontier { at, stretch: Stretch { along, ..stretch }, certain, extent }
+        Frontier { at, stretch: Stretch { along, ..stretch }, certain, extent, ended: false }
     }
 }

@@ -10,7 +10,7 @@
 //!
 //! Owns no pose and no contacts; it is told both. Knows nothing of laps or maps.
 
-use super::ahead::{Frontier, Rolling};
+use super::ahead::{Frontier, Rolling, Sweep};
 use super::map::ContactKind;
 use super::wall::Wall;
 use crate::geometry::{Point, Pose, angle};
@@ -128,6 +128,11 @@ pub struct Follower {
     stuck: u32,
     last_position: Option<Point>,
     rolling: Rolling,
+    /// Bearing and reach of the switch that looks ahead of the wall.
+    ahead: Option<(f64, f64)>,
+    /// Heading at the beginning of the look.
+    looked_from: f64,
+    swept: Option<Sweep>,
 }
 
 const SHORTEST_STRIDE: f64 = 0.09;
@@ -141,9 +146,13 @@ impl Follower {
     #[must_use]
     pub fn new(chassis: &Chassis, side: Side) -> Self {
         let gap = 0.75 * chassis.range;
+        let roles = Roles::new(chassis, side);
         Self {
             side,
-            roles: Roles::new(chassis, side),
+            roles,
+            ahead: roles.ahead.map(|index| (chassis.sensors[index].angle, chassis.reach())),
+            looked_from: 0.0,
+            swept: None,
             doing: Doing::Arrived,
             ended: false,
             stride: SHORTEST_STRIDE,
@@ -181,6 +190,9 @@ impl Follower {
             && self.doing != Doing::BackingOff
         {
             return Some(self.back_off());
+        }
+        if self.doing != Doing::Looking {
+            self.swept = None;
         }
         match self.doing {
             Doing::Arrived | Doing::Stepping => Some(self.after_step(wall, rest)),
@@ -226,6 +238,7 @@ impl Follower {
         {
             return self.clear(ahead);
         }
+        self.looked_from = rest.pose.heading;
         self.look()
     }
 
@@ -259,6 +272,12 @@ impl Follower {
     }
 
     fn judge_look(&mut self, wall: &mut Wall, rest: &AtRest) {
+        self.swept = self.ahead.map(|(bearing, reach)| Sweep {
+            at: rest.pose.position,
+            from: self.looked_from + bearing,
+            by: angle::wrap(rest.pose.heading - self.looked_from),
+            reach,
+        });
         let seen_ahead = matches!(rest.reason, DoneReason::Guard { .. });
         if !seen_ahead {
             self.ended = true;
@@ -276,9 +295,18 @@ impl Follower {
     }
 
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
-        let step = if self.ended { ROUND_CORNER } else { self.stride };
+        let mut step = if self.ended { ROUND_CORNER } else { self.stride };
         let contacts: Vec<Point> = wall.near().map(|seen| seen.point).collect();
-        let found = self.rolling.direction(&contacts, rest.pose, step, self.ended)?;
+        let roll = |step: f64, ended: bool| {
+            self.rolling.direction(&contacts, rest.pose, step, ended, self.swept.as_ref())
+        };
+        let mut found = roll(step, self.ended)?;
+        if !self.ended && found.frontier.is_some_and(|frontier| frontier.ended) {
+            self.ended = true;
+            self.stride = SHORTEST_STRIDE;
+            step = ROUND_CORNER;
+            found = roll(step, true)?;
+        }
         self.frontier = found.frontier;
         let turn = self.the_way_round(found.heading - rest.pose.heading);
         if turn.abs() < 0.015 {

@@ -200,7 +200,9 @@ impl Follower {
                 self.judge_look(wall, rest);
                 self.face(wall, rest)
             }
-            Doing::Facing(step) if rest.reason == DoneReason::Complete => Some(self.step(step)),
+            Doing::Facing(step) if rest.reason == DoneReason::Complete => {
+                Some(self.step(self.watched(step, rest.closed)))
+            }
             // A turn that was cut short: the direction is chosen anew.
             Doing::Clearing | Doing::BackingOff | Doing::Facing(_) => self.face(wall, rest),
         }
@@ -310,7 +312,7 @@ impl Follower {
         self.frontier = found.frontier;
         let turn = self.the_way_round(found.heading - rest.pose.heading);
         if turn.abs() < 0.015 {
-            return Some(self.step(step));
+            return Some(self.step(self.watched(step, rest.closed)));
         }
         self.doing = Doing::Facing(step);
         Some(Ask {
@@ -326,6 +328,13 @@ impl Follower {
     fn the_way_round(&self, by: f64) -> f64 {
         let towards = angle::wrap(by) * self.side.sign();
         self.side.sign() * if towards > MOST_TOWARDS { towards - angle::TAU } else { towards }
+    }
+
+    /// How far to step: a wall that its own switch does not see is not watched either, and a long
+    /// step would lead away from it unnoticed.
+    fn watched(&self, step: f64, closed: SwitchSet) -> f64 {
+        let sees = self.roles.wall.is_none_or(|wall| closed.has(wall));
+        if sees { step } else { step.min(ROUND_CORNER) }
     }
 
     fn step(&mut self, length: f64) -> Ask {

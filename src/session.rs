@@ -269,7 +269,6 @@ impl Session {
             run: self.run,
             robot: if self.heard { Known::Known(view) } else { Known::Unknown },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
-            hidden_at: None,
             map: self.mission.map_now(),
             settings: self.mission.settings().clone(),
             events: self.events.iter().cloned().collect(),

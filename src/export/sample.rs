@@ -87,6 +87,7 @@ pub(crate) fn room() -> Sample {
         objects: objects(),
         path,
         hidden_disc: Some(0.21),
+        hidden_at: None,
     };
     Sample { map, settings, truth }
 }

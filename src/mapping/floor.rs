@@ -23,6 +23,8 @@ use crate::robot::Chassis;
 
 /// Arcs are cut into chords within this, metres: far below what a switch can tell.
 const SAGITTA: f64 = 0.0003;
+/// Good enough for a raster, metres.
+const COARSE: f64 = 0.002;
 /// Pitch of the raster, metres, for places up to about 100 m².
 const CELL: f64 = 0.03;
 /// Cells at most: larger places get a coarser raster, and the same time.
@@ -68,9 +70,8 @@ impl Floor {
         let mut free = wall.clone();
         let mut object_chords = Vec::new();
         for object in objects {
-            let outline = chords(object, SAGITTA);
-            reach::stand_on(&grid, &outline, &mut free);
-            object_chords.extend(outline);
+            reach::stand_on(&grid, &chords(object, COARSE), &mut free);
+            object_chords.extend(chords(object, SAGITTA));
         }
         let mut floor = Self {
             grid,

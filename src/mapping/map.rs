@@ -306,4 +306,6 @@ pub struct RoomMap {
     pub path: Vec<PathPoint>,
     /// Diameter of the hidden disc as driven so far, metres; none before the Plan phase.
     pub hidden_disc: Option<f64>,
+    /// Where its centre is.
+    pub hidden_at: Option<Point>,
 }

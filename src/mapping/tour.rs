@@ -256,8 +256,9 @@ impl Tour {
         let given_up = self.given_up.clone();
         let extra = self.extra;
         let floor = self.floor(scene.rest.pose.position);
-        let spots = coverage.spots(floor, target.max(0.05));
-        scene.map.hidden_disc = Some(coverage.largest(floor).map_or(0.0, |disc| disc.diameter));
+        let (spots, largest) = coverage.spots_and_largest(floor, target.max(0.05));
+        scene.map.hidden_disc = Some(largest.map_or(0.0, |disc| disc.diameter));
+        scene.map.hidden_at = largest.map(|disc| disc.at);
         if extra >= MOST_EXTRA {
             return None;
         }

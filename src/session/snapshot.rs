@@ -1,7 +1,7 @@
 //! What the screen may know: a copy of the state at one instant, with what is unknown or old
 //! marked as such. The view is a pure function of this.
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::Pose;
 use crate::mapping::event::{Event, Failure};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
@@ -98,8 +98,6 @@ pub struct Snapshot {
     pub robot: Known<RobotView>,
     /// The command in hand, and in words why it was chosen.
     pub command: Option<(Command, String)>,
-    /// Centre of the hidden disc whose diameter is `map.hidden_disc`, where it is known.
-    pub hidden_at: Option<Point>,
     /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
     pub map: RoomMap,
     /// What the run was started with (α as it is now).
@@ -123,7 +121,6 @@ impl Snapshot {
             run: RunState::Paused,
             robot: Known::Unknown,
             command: None,
-            hidden_at: None,
             map: RoomMap::default(),
             settings,
             events: Vec::new(),

@@ -90,7 +90,7 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     for object in &map.objects {
         canvas.ring(&object.outline, Role::Object);
     }
-    if let (Some(at), Some(diameter)) = (snapshot.hidden_at, map.hidden_disc) {
+    if let (Some(at), Some(diameter)) = (map.hidden_at, map.hidden_disc) {
         canvas.circle(at, diameter / 2.0, Role::HiddenDisc, Pattern::Sparse(2));
     }
 }

@@ -92,6 +92,20 @@ impl Coverage {
     pub fn spots(&self, floor: &Floor, diameter: f64) -> Vec<HiddenDisc> {
         Unswept::new(floor, self.segments()).spots(diameter, usize::MAX)
     }
+
+    /// The discs of [`Coverage::spots`], and the largest disc that is left at all; none when every
+    /// place is swept.
+    #[must_use]
+    pub fn spots_and_largest(
+        &self,
+        floor: &Floor,
+        diameter: f64,
+    ) -> (Vec<HiddenDisc>, Option<HiddenDisc>) {
+        let unswept = Unswept::new(floor, self.segments());
+        let spots = unswept.spots(diameter, usize::MAX);
+        let largest = spots.first().copied().or_else(|| unswept.spots(0.0, 1).pop());
+        (spots, largest)
+    }
 }
 
 impl Run {

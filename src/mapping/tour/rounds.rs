@@ -16,6 +16,8 @@ use crate::mapping::shape::object_outline;
 use crate::mapping::survey::Survey;
 use crate::mapping::wall::{Sighting, Wall};
 
+/// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
+const MATTERS: f64 = 0.002;
 /// Metres driven again after a round has closed, for its misclosure.
 const ROUND_OVERLAP: f64 = 0.25;
 
@@ -153,7 +155,7 @@ impl Tour {
 
     /// Lets floor and map follow what the survey has learnt, when it is enough to matter.
     pub(super) fn follow_survey(&mut self, survey: &Survey, map: &mut RoomMap) {
-        if self.chart.refresh(survey) > 5e-4 {
+        if self.chart.refresh(survey) > MATTERS {
             self.floor = None;
             self.chart.publish(survey, map);
         }

@@ -5,7 +5,7 @@ use super::{Outcome, RunRecord};
 use crate::geometry::{Piece, Point, Pose, Ring};
 use crate::mapping::map::{
     Contact, ContactKind, LineReason, LineStatus, MappedObject, Misclosure, ObjectClass, Part,
-    PartClass, PathPoint, Phase, Plan, PlanFigures, PlanLine, RoomMap, Shape, ShapeClass,
+    PartClass, PathPoint, Phase, Plan, PlanFigures, PlanLine, RoomMap, Shape, ShapeClass, Spun,
 };
 use crate::mapping::settings::{Settings, Strategy};
 use crate::session::snapshot::PhaseProgress;
@@ -194,7 +194,7 @@ fn path() -> Vec<PathPoint> {
             let at = from + (to - from) * (f64::from(k) / f64::from(steps));
             let pose = Pose { position: at, heading };
             let phase = if k == 0 { pair[0].2 } else { pair[1].2 };
-            points.push(PathPoint { pose, time_us, rested_us: 0, spun: 0.0, wheels: 0.0, phase });
+            points.push(PathPoint { pose, time_us, rested_us: 0, spun: Spun::default(), phase });
             time_us += 500_000;
         }
     }

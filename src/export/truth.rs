@@ -37,8 +37,7 @@ mod tests {
     fn path(times: &[u64]) -> Vec<PathPoint> {
         let point = |&time_us: &u64| PathPoint {
             rested_us: 0,
-            spun: 0.0,
-            wheels: 0.0,
+            spun: crate::mapping::map::Spun::default(),
             pose: Pose::new(0.0, 0.0, 0.0),
             time_us,
             phase: Phase::Boundary,

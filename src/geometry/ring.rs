@@ -290,9 +290,7 @@ impl Ring {
             let (from, to) = (corners[k], corners[(k + 1) % count]);
             match piece {
                 Piece::Line { .. } => Piece::Line { from, to },
-                Piece::Arc { sweep, .. } => {
-                    Piece::with_bulge(from, to, angle::tan(sweep / 4.0))
-                }
+                Piece::Arc { sweep, .. } => Piece::with_bulge(from, to, angle::tan(sweep / 4.0)),
             }
         });
         Self { pieces: pieces.collect() }

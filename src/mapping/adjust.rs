@@ -288,8 +288,7 @@ impl Traverse {
                     from: before.pose,
                     to: point.pose,
                     seconds,
-                    gyro: point.spun - before.spun,
-                    wheels: point.wheels - before.wheels,
+                    spun: (before.spun, point.spun),
                 };
                 survey.predict(&step, WHEEL_SD);
                 since_knot += (point.pose.position - before.pose.position).norm();

@@ -140,9 +140,7 @@ impl Chart {
             .rings
             .iter()
             .map(|charted| {
-                charted
-                    .nominal
-                    .deformed(|p| survey.displacement(p, &self.tie(charted, survey, p)))
+                charted.nominal.deformed(|p| survey.displacement(p, &self.tie(charted, survey, p)))
             })
             .collect();
         for (charted, ring) in self.rings.iter_mut().zip(moved) {

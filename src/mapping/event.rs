@@ -324,11 +324,9 @@ impl fmt::Display for EventKind {
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
             Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
-            Self::Bearings { sd } => write!(
-                f,
-                "position sure to {:.0} mm only: taking bearings in a corner",
-                sd * 1e3
-            ),
+            Self::Bearings { sd } => {
+                write!(f, "position sure to {:.0} mm only: taking bearings in a corner", sd * 1e3)
+            }
             Self::Reason { why } => f.write_str(why),
             Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),

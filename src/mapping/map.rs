@@ -270,6 +270,17 @@ impl MappedObject {
     }
 }
 
+/// How far the robot turned since the beginning, by gyro and by wheels.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Spun {
+    /// By the gyro, believed drift taken out, radians, whole turns counted.
+    pub gyro: f64,
+    /// By the wheels, right less left over the wheel base, radians.
+    pub wheels: f64,
+    /// To and fro by the gyro: all turns added up without their sign, radians.
+    pub wound: f64,
+}
+
 /// One place of the trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PathPoint {
@@ -279,10 +290,8 @@ pub struct PathPoint {
     pub time_us: u64,
     /// How long the robot had stood still in all, microseconds.
     pub rested_us: u64,
-    /// How far the gyro had turned in all, believed drift taken out, radians.
-    pub spun: f64,
-    /// How far the wheels had turned the robot in all, radians.
-    pub wheels: f64,
+    /// How far gyro and wheels had turned in all.
+    pub spun: Spun,
     /// Which phase it belongs to.
     pub phase: Phase,
 }

@@ -314,7 +314,7 @@ impl Mission {
     fn odometer(&mut self, odometer: &Odometer) -> Pose {
         let (before, time) = (self.tracker.pose(), self.tracker.time_us());
         let rested = self.tracker.rested_us();
-        let (spun, wheels) = self.tracker.spun();
+        let spun = self.tracker.spun();
         let pose = self.tracker.advance(odometer, self.phase);
         let rested = self.tracker.rested_us() - rested;
         if let Some((seconds, rate)) = self.tracker.take_drift() {
@@ -323,13 +323,11 @@ impl Mission {
         }
         if self.phase == Phase::Objects {
             let passed = odometer.time_us.saturating_sub(time).saturating_sub(rested);
-            let now = self.tracker.spun();
             let step = Step {
                 from: before,
                 to: pose,
                 seconds: passed as f64 * 1e-6,
-                gyro: now.0 - spun,
-                wheels: now.1 - wheels,
+                spun: (spun, self.tracker.spun()),
             };
             self.survey.predict(&step, WHEEL_SD);
         }

@@ -7,7 +7,7 @@
 //! moves and turns in place that the command set consists of. Knows nothing of walls; corrections
 //! come from outside through [`Tracker::correct`].
 
-use super::map::{PathPoint, Phase};
+use super::map::{PathPoint, Phase, Spun};
 use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, Odometer};
 
@@ -30,9 +30,7 @@ pub struct Tracker {
     heading: f64,
     last: Option<Odometer>,
     travelled: f64,
-    /// How far the gyro turned in all, believed drift taken out, and the wheels, radians.
-    spun: f64,
-    wheels: f64,
+    spun: Spun,
     wheel_base: f64,
     bias: f64,
     /// When the wheels turned last, microseconds.
@@ -65,8 +63,7 @@ impl Tracker {
             heading: start.heading,
             last: None,
             travelled: 0.0,
-            spun: 0.0,
-            wheels: 0.0,
+            spun: Spun::default(),
             wheel_base: chassis.wheel_base,
             bias: 0.0,
             rolled: 0,
@@ -93,8 +90,9 @@ impl Tracker {
                 turned = 0.0;
             }
             let against = (to.right_ticks - last.right_ticks) - (to.left_ticks - last.left_ticks);
-            self.wheels += against as f64 * self.tick / self.wheel_base;
-            self.spun += turned;
+            self.spun.wheels += against as f64 * self.tick / self.wheel_base;
+            self.spun.gyro += turned;
+            self.spun.wound += turned.abs();
             let middle = self.heading + turned / 2.0;
             self.heading += turned;
             self.pose.position += angle::unit(middle) * distance;
@@ -112,8 +110,8 @@ impl Tracker {
         });
         if moved {
             let rested_us = self.rested_us;
-            let (pose, spun, wheels) = (self.pose, self.spun, self.wheels);
-            self.path.push(PathPoint { pose, time_us, rested_us, spun, wheels, phase });
+            let (pose, spun) = (self.pose, self.spun);
+            self.path.push(PathPoint { pose, time_us, rested_us, spun, phase });
         }
     }
 
@@ -158,11 +156,10 @@ impl Tracker {
         self.tick / self.wheel_base
     }
 
-    /// How far the gyro turned in all, believed drift taken out, and how far the wheels say that
-    /// they turned the robot, radians.
+    /// How far gyro and wheels turned in all.
     #[must_use]
-    pub fn spun(&self) -> (f64, f64) {
-        (self.spun, self.wheels)
+    pub fn spun(&self) -> Spun {
+        self.spun
     }
 
     /// How long the heading was held in all, microseconds of robot time.

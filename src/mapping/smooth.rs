@@ -97,8 +97,7 @@ fn looks(
             _ => looks.push((look, 1.0)),
         }
     }
-    let mean = |(look, count): (Look, f64)| {
-        look.mean_of(count, sd * sd / count + SHARED_SD * SHARED_SD)
-    };
+    let mean =
+        |(look, count): (Look, f64)| look.mean_of(count, sd * sd / count + SHARED_SD * SHARED_SD);
     looks.into_iter().map(mean).collect()
 }

@@ -229,8 +229,8 @@ impl Survey {
             for column in 0..3 {
                 self.covariance[(row, column)] = new[column];
             }
-            self.covariance[(row, WANDER)] += seconds * self.covariance[(row, BIAS)]
-                + turned * self.covariance[(row, SCALE)];
+            self.covariance[(row, WANDER)] +=
+                seconds * self.covariance[(row, BIAS)] + turned * self.covariance[(row, SCALE)];
         }
         let pose = onward * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
             + by_bias * self.mean[BIAS]
@@ -370,11 +370,10 @@ impl Survey {
     /// shifted by does not count.
     #[must_use]
     pub fn looseness(&self, at: Point) -> f64 {
-        let nearest = self
-            .knots
-            .iter()
-            .enumerate()
-            .min_by(|a, b| (a.1.at - at).norm_squared().total_cmp(&(b.1.at - at).norm_squared()));
+        let nearest =
+            self.knots.iter().enumerate().min_by(|a, b| {
+                (a.1.at - at).norm_squared().total_cmp(&(b.1.at - at).norm_squared())
+            });
         let Some((index, knot)) = nearest else { return self.position_sd() };
         let start = FIRST_KNOT + 3 * index;
         let lever = perp(at - knot.at);
@@ -383,9 +382,8 @@ impl Survey {
             [(POSE + 1, 1.0), (start + 1, -1.0), (start + 2, -lever.y)],
         ];
         let c = |i: usize, j: usize| {
-            let terms = rows[i]
-                .iter()
-                .flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
+            let terms =
+                rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
             terms.map(|(k, l, weight)| self.covariance[(k, l)] * weight).sum::<f64>()
         };
         worse(c(0, 0), c(0, 1), c(1, 1))
@@ -467,8 +465,7 @@ impl Survey {
     /// are passed over.
     pub fn lay(&mut self, looks: &[Look]) {
         let size = self.mean.len();
-        self.covariance =
-            std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
+        self.covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
         self.mean =
             std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
         for k in 0..3 {

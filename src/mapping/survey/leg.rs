@@ -6,6 +6,7 @@
 //! floor is learnt from how well they agree with the gyro.
 
 use crate::geometry::{Pose, angle};
+use crate::mapping::map::Spun;
 
 /// One step of the way, between two readings of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,10 +17,8 @@ pub struct Step {
     pub to: Pose,
     /// Time the robot was not at rest, seconds.
     pub seconds: f64,
-    /// By how much the gyro turned, believed drift taken out, radians.
-    pub gyro: f64,
-    /// By how much the wheels turned, radians: right less left over the wheel base.
-    pub wheels: f64,
+    /// How far gyro and wheels had turned in all at its beginning, and at its end.
+    pub spun: (Spun, Spun),
 }
 
 impl Step {
@@ -29,7 +28,19 @@ impl Step {
 
     /// Whether it belongs to a turn: a bend of less than a metre of radius.
     fn turns(&self) -> bool {
-        self.gyro.abs() > 0.004 + self.length()
+        self.wound() > 0.004 + self.length()
+    }
+
+    fn wound(&self) -> f64 {
+        self.spun.1.wound - self.spun.0.wound
+    }
+
+    fn gyro(&self) -> f64 {
+        self.spun.1.gyro - self.spun.0.gyro
+    }
+
+    fn wheels(&self) -> f64 {
+        self.spun.1.wheels - self.spun.0.wheels
     }
 
     /// By how much the believed heading changed, radians.
@@ -100,9 +111,9 @@ impl Leg {
             return self.end();
         }
         self.length += step.length();
-        self.off += step.wheels - step.gyro;
-        self.net += step.gyro;
-        self.squares += step.gyro * step.gyro;
+        self.off += step.wheels() - step.gyro();
+        self.net += step.gyro();
+        self.squares += step.wound().powi(2);
         None
     }
 

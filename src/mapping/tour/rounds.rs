@@ -13,13 +13,17 @@ use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::lap_contacts;
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::object_outline;
-use crate::mapping::survey::Survey;
+use crate::mapping::survey::{Surface, Survey};
 use crate::mapping::wall::{Sighting, Wall};
 
 /// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
 const MATTERS: f64 = 0.002;
 /// Metres driven again after a round has closed, for its misclosure.
 const ROUND_OVERLAP: f64 = 0.25;
+
+/// Contacts of a whole round were not seen from where the robot is at its end: each says little of
+/// its pose, metres.
+const ROUND_SD: f64 = 0.05;
 
 impl Tour {
     /// Something unknown: goes round it.
@@ -74,8 +78,9 @@ impl Tour {
                     for contact in &contacts {
                         let surface =
                             self.chart.surface_at(scene.survey, contact.point, contact.from);
-                        let fixed = surface.and_then(|s| {
-                            scene.survey.touch(scene.tracker.pose(), contact.point, &s)
+                        let fixed = surface.and_then(|surface| {
+                            let surface = Surface { sd: surface.sd.max(ROUND_SD), ..surface };
+                            scene.survey.touch(scene.tracker.pose(), contact.point, &surface)
                         });
                         if let Some(pose) = fixed {
                             scene.tracker.correct(pose);

@@ -91,6 +91,8 @@ pub struct Tour {
     begun: bool,
     /// Metres driven when bearings were taken last.
     bearings_at: f64,
+    /// Where the second look of the bearings is taken.
+    look_next: Option<Point>,
 }
 
 impl Tour {
@@ -122,6 +124,7 @@ impl Tour {
             extra: 0,
             begun: false,
             bearings_at: f64::NEG_INFINITY,
+            look_next: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Taking bearings: when the pose has become uncertain, the robot goes to a corner of the room and
-//! turns there. Its switches then see two walls, and these say where it stands and how it heads;
-//! one wall alone leaves the way along it open.
+//! turns there. Its switches then see two walls, and these say where it stands; one wall alone
+//! leaves the way along it open. Then it goes along the longer of them for a metre and turns again:
+//! two looks at one wall, far apart, say how it heads, which one look says badly.
 
 use super::{Drive, ROOM, Scene, Tour};
 use crate::geometry::{Piece, Point, Ring, angle, perp};
@@ -18,12 +19,24 @@ const LEAST_WALL: f64 = 0.3;
 /// How far the way to a corner may be, metres, and how much is driven at least between two stops.
 const FARTHEST: f64 = 8.0;
 const BETWEEN: f64 = 6.0;
+/// How far apart the two looks at one wall are, metres, and how much of the wall is left beyond.
+const APART: f64 = 1.2;
+const BEYOND: f64 = 0.35;
+/// Looks nearer to each other than this are not worth it, metres.
+const LEAST_APART: f64 = 0.4;
 /// How many of the nearest corners are tried.
 const TRIED: usize = 3;
 
+/// A place in a corner, and one along the longer of its walls.
+#[derive(Debug, Clone, Copy)]
+struct Spot {
+    at: Point,
+    along: Option<Point>,
+}
+
 /// Where two straight walls of `outline` (counter-clockwise) meet so that the robot, at a gap from
 /// both, sees both.
-fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Point> {
+fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Spot> {
     let count = outline.pieces.len();
     (0..count)
         .filter_map(|k| {
@@ -36,8 +49,19 @@ fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Point> {
             }
             let (n, m) = (perp(first), perp(second));
             let at = after.from() + (n + m) * ((radius + GAP) / (1.0 + n.dot(&m)));
-            let free = floor.is_drivable(at) && floor.clearance(at) > radius + GAP - 0.01;
-            free.then_some(at)
+            let room = radius + GAP - 0.01;
+            if !floor.is_drivable(at) || floor.clearance(at) < room {
+                return None;
+            }
+            let (way, length) = if after.length() > before.length() {
+                (second, after.length())
+            } else {
+                (-first, before.length())
+            };
+            let apart = APART.min(length - radius - GAP - BEYOND);
+            let along = at + way * apart;
+            let clear = apart > LEAST_APART && floor.is_clear(at, along, room);
+            Some(Spot { at, along: clear.then_some(along) })
         })
         .collect()
 }
@@ -45,6 +69,9 @@ fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Point> {
 impl Tour {
     /// A drive to a corner near the robot, when the pose has become too uncertain to go on.
     pub(super) fn bearings(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+        if let Some(along) = self.look_next.take() {
+            return Some(Drive { bearings: true, ..Drive::new(0, along, along) });
+        }
         let at = scene.rest.pose.position;
         let driven = scene.tracker.travelled() - self.bearings_at;
         if driven < BETWEEN {
@@ -58,16 +85,17 @@ impl Tour {
         let outline = self.chart.outline().clone();
         let floor = self.floor(at);
         let mut spots = corners(&outline, floor, radius);
-        spots.sort_by(|a, b| (a - at).norm().total_cmp(&(b - at).norm()));
+        spots.sort_by(|a, b| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
         let (_, spot) = spots
             .into_iter()
             .take(TRIED)
-            .filter_map(|spot| Some((floor.route_length(at, spot, radius + ROOM)?, spot)))
+            .filter_map(|spot| Some((floor.route_length(at, spot.at, radius + ROOM)?, spot)))
             .filter(|(length, _)| *length < FARTHEST)
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         scene.tell.push(EventKind::Bearings { sd });
         self.bearings_at = scene.tracker.travelled();
-        Some(Drive { bearings: true, ..Drive::new(0, spot, spot) })
+        self.look_next = spot.along;
+        Some(Drive { bearings: true, ..Drive::new(0, spot.at, spot.at) })
     }
 
     /// At the corner: a turn that leads every wall past at least two switches.

@@ -179,3 +179,70 @@ impl Chart {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::map::{ContactKind, ObjectClass, Shape, ShapeClass};
+
+    fn contact(x: f64, y: f64, time: f64) -> Contact {
+        let point = Point::new(x, y);
+        Contact { point, from: point, sensor: Some(0), kind: ContactKind::Range, time }
+    }
+
+    /// A room of 4 x 3 m, seen from the one knot that there is.
+    fn room() -> (Survey, Chart) {
+        let mut survey = Survey::new(0.003);
+        survey.mark(Point::origin(), 0);
+        let outline = Ring::polygon(
+            &[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(|(x, y)| Point::new(x, y)),
+        );
+        let shape = Shape {
+            class: ShapeClass::Convex,
+            vertices: outline.pieces.iter().map(crate::geometry::Piece::from).collect(),
+            parts: Vec::new(),
+            outline,
+        };
+        let map = RoomMap {
+            closed: true,
+            contacts: vec![contact(2.0, 0.002, 0.0), contact(2.1, -0.002, 0.0)],
+            shape: Some(shape),
+            ..RoomMap::default()
+        };
+        let chart = Chart::new(&map, &survey);
+        (survey, chart)
+    }
+
+    #[test]
+    fn a_contact_finds_its_wall_but_not_in_a_corner_nor_askance() {
+        let (survey, chart) = room();
+        let from = Point::new(2.0, 0.2);
+        let surface = chart.surface_at(&survey, Point::new(2.0, 0.03), from).expect("the wall");
+        assert!((surface.at - Point::new(2.0, 0.0)).norm() < 1e-9);
+        assert!((surface.normal.y.abs() - 1.0).abs() < 1e-9);
+        assert!((surface.sd - 0.002).abs() < 1e-9, "{}", surface.sd);
+        assert_eq!(chart.surface_at(&survey, Point::new(0.03, 0.0), Point::new(0.2, 0.2)), None);
+        let askance = Point::new(1.0, 0.1);
+        assert_eq!(chart.surface_at(&survey, Point::new(2.0, 0.03), askance), None);
+        assert_eq!(chart.surface_at(&survey, Point::new(2.0, 1.0), from), None);
+    }
+
+    #[test]
+    fn what_is_known_is_told_by_the_nearest_surface() {
+        let (mut survey, mut chart) = room();
+        let tie = survey.mark(Point::new(2.0, 1.0), 1);
+        let outline = Ring::circle(Point::new(2.0, 1.5), 0.3);
+        let class = ObjectClass::Circle;
+        let object = MappedObject {
+            id: 1,
+            class,
+            outline,
+            closed: true,
+            contacts: vec![contact(1.7, 1.5, 1.0)],
+        };
+        chart.add(&object, tie);
+        assert_eq!(chart.distance(Point::new(2.0, 1.6)), (0.0, Some(0)));
+        let (near, whose) = chart.distance(Point::new(2.0, 0.4));
+        assert!((near - 0.4).abs() < 1e-9 && whose.is_none());
+    }
+}

@@ -12,28 +12,25 @@
 //! on small corrections to a nominal survey: linear but for the residuals.
 
 mod leg;
+mod motion;
+mod sight;
+#[cfg(test)]
+mod tests;
 
 pub use leg::Step;
+pub use sight::{Look, Surface};
 
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use leg::{Grip, Leg};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-/// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
-const HEADING_WALK: f64 = 1.0e-3;
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
 const BIAS_SD: f64 = 1.5e-4;
 /// What the gyro's scale may be off by.
 const SCALE_SD: f64 = 1.0e-3;
-/// A contact about the surface it lies on, metres: jitter of the switch, fit of the wall.
-const CONTACT_SD: f64 = 0.002;
-/// How far from a surface a contact may lie and still be of it, in standard deviations and metres.
+/// How far from a surface a contact may lie and still be of it, in standard deviations.
 const GATE: f64 = 3.5;
-const FARTHEST: f64 = 0.15;
-
-/// How far off a surface may be before anything is known of it, metres.
-const SURFACE_SD: f64 = 0.3;
 
 /// What one wheel's scale may be off from the other's before anything is known of it, radians per
 /// metre.
@@ -62,63 +59,6 @@ pub struct Tie {
     first: usize,
     second: usize,
     share: f64,
-}
-
-/// Where a contact should lie: a point of the mapped surface, its unit normal to either side, and
-/// what that surface hangs on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
-    /// The mapped point nearest to the contact, as believed now.
-    pub at: Point,
-    /// Unit normal.
-    pub normal: Vector,
-    /// What it hangs on.
-    pub tie: Tie,
-    /// Standard deviation of the mapped contacts about it, metres: large where it is ragged.
-    pub sd: f64,
-}
-
-/// How far something seen from the lap lies off a surface that may lie anywhere.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Look {
-    /// The knots between which it was seen.
-    tie: (usize, usize),
-    /// By how much it moves off with the errors of these knots.
-    knots: [[f64; 3]; 2],
-    /// By how much the surface follows with each of its unknowns.
-    surface: [f64; 3],
-    /// How far off it is, metres.
-    off: f64,
-    variance: f64,
-}
-
-impl Look {
-    /// Whether both hang on the same knots.
-    #[must_use]
-    pub fn is_of(&self, other: &Self) -> bool {
-        self.tie == other.tie
-    }
-
-    /// Adds another that hangs on the same knots.
-    pub fn add(&mut self, other: &Self) {
-        for k in 0..3 {
-            self.knots[0][k] += other.knots[0][k];
-            self.knots[1][k] += other.knots[1][k];
-            self.surface[k] += other.surface[k];
-        }
-        self.off += other.off;
-    }
-
-    /// The mean of `count` that were added, good to `variance` (square metres).
-    #[must_use]
-    pub fn mean_of(mut self, count: f64, variance: f64) -> Self {
-        for k in 0..3 {
-            self.knots[0][k] /= count;
-            self.knots[1][k] /= count;
-            self.surface[k] /= count;
-        }
-        Self { off: self.off / count, variance, ..self }
-    }
 }
 
 /// The filter.
@@ -157,103 +97,6 @@ impl Survey {
     #[must_use]
     pub fn on_the_floor_of(self, known: &Self) -> Self {
         Self { grip: known.grip, ..self }
-    }
-
-    /// The robot made `step`; the wheels' own error adds `wheel_sd` metres per root metre.
-    pub fn predict(&mut self, step: &Step, wheel_sd: f64) {
-        if self.leg.is_new() {
-            self.begin_leg();
-        }
-        self.drift(step, wheel_sd);
-        if let Some(leg) = self.leg.take(step) {
-            self.weigh(&leg);
-        }
-    }
-
-    /// Counts what the gyro wanders from here on.
-    fn begin_leg(&mut self) {
-        self.covariance.row_mut(WANDER).fill(0.0);
-        self.covariance.column_mut(WANDER).fill(0.0);
-        self.mean[WANDER] = 0.0;
-    }
-
-    /// Weighs what the wheels say of the heading at the end of `leg` against the gyro.
-    fn weigh(&mut self, leg: &Leg) {
-        let row = [(WANDER, 1.0), (WHEELS, -leg.length)];
-        let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
-        let innovation = leg.off - predicted;
-        let least = leg.variance(self.resolution);
-        let spread = self.spread(&row) + least;
-        let variance = least + self.grip.wander() * leg.length;
-        self.grip.learn(leg.length, innovation, spread);
-        if innovation * innovation < GATE * GATE * (spread + variance - least) {
-            self.update(&row, innovation, variance);
-        }
-    }
-
-    /// Spreads the errors over a step.
-    fn drift(&mut self, step: &Step, wheel_sd: f64) {
-        let moved = step.to.position - step.from.position;
-        let (seconds, turned) = (step.seconds, step.turned());
-        let mut onward = Matrix3::identity();
-        onward[(0, 2)] = -moved.y;
-        onward[(1, 2)] = moved.x;
-        // Drift over the step turns the heading, and half of it the way.
-        let lever = Vector3::new(-moved.y / 2.0, moved.x / 2.0, 1.0);
-        let (by_bias, by_scale) = (lever * seconds, lever * turned);
-        let size = self.mean.len();
-        for column in 0..size {
-            let old = Vector3::new(
-                self.covariance[(0, column)],
-                self.covariance[(1, column)],
-                self.covariance[(2, column)],
-            );
-            let new = onward * old
-                + by_bias * self.covariance[(BIAS, column)]
-                + by_scale * self.covariance[(SCALE, column)];
-            for row in 0..3 {
-                self.covariance[(row, column)] = new[row];
-            }
-            self.covariance[(WANDER, column)] += seconds * self.covariance[(BIAS, column)]
-                + turned * self.covariance[(SCALE, column)];
-        }
-        for row in 0..size {
-            let old = Vector3::new(
-                self.covariance[(row, 0)],
-                self.covariance[(row, 1)],
-                self.covariance[(row, 2)],
-            );
-            let new = onward * old
-                + by_bias * self.covariance[(row, BIAS)]
-                + by_scale * self.covariance[(row, SCALE)];
-            for column in 0..3 {
-                self.covariance[(row, column)] = new[column];
-            }
-            self.covariance[(row, WANDER)] +=
-                seconds * self.covariance[(row, BIAS)] + turned * self.covariance[(row, SCALE)];
-        }
-        let pose = onward * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
-            + by_bias * self.mean[BIAS]
-            + by_scale * self.mean[SCALE];
-        for row in 0..3 {
-            self.mean[row] = pose[row];
-        }
-        self.mean[WANDER] += seconds * self.mean[BIAS] + turned * self.mean[SCALE];
-        let along = wheel_sd * wheel_sd * moved.norm();
-        let walk = HEADING_WALK * HEADING_WALK * seconds;
-        self.covariance[(0, 0)] += along;
-        self.covariance[(1, 1)] += along;
-        for (row, column) in [(2, 2), (2, WANDER), (WANDER, 2), (WANDER, WANDER)] {
-            self.covariance[(row, column)] += walk;
-        }
-    }
-
-    /// The gyro was seen to drift at `rate` (radians per second, beyond what was taken out) while the
-    /// robot stood still for `seconds`.
-    pub fn rest(&mut self, seconds: f64, rate: f64) {
-        let row = [(BIAS, 1.0)];
-        let innovation = -rate - self.mean[BIAS];
-        self.update(&row, innovation, HEADING_WALK * HEADING_WALK / seconds);
     }
 
     /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
@@ -394,100 +237,6 @@ impl Survey {
     pub fn misclosure(&self, early: &Tie, late: &Tie) -> Vector3<f64> {
         let rows = self.relation(early, late);
         Vector3::from_fn(|k, _| -rows[k].iter().map(|(i, w)| self.mean[*i] * w).sum::<f64>())
-    }
-
-    /// Lays the pose at knot `late` on the place of knot `early`. By how much it is off was measured
-    /// with `normal` and `right`, the normal equations of (x, y, heading); directions that they say
-    /// nothing of stay as they are.
-    pub fn close(&mut self, early: &Tie, late: &Tie, normal: &Matrix3<f64>, right: &Vector3<f64>) {
-        let rows = self.relation(early, late);
-        let eigen = normal.symmetric_eigen();
-        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            if *value < 1.0 {
-                continue;
-            }
-            let row: Vec<(usize, f64)> = rows
-                .iter()
-                .zip(vector.iter())
-                .flat_map(|(row, weight)| row.iter().map(move |(k, w)| (*k, w * weight)))
-                .collect();
-            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
-            let measured = -vector.dot(right) / value;
-            self.update(&row, measured - predicted, 1.0 / value);
-        }
-    }
-
-    /// Takes a contact at `contact`, seen from `pose`, that should lie on `surface`; returns the
-    /// corrected pose, or none when it is too far off to be that surface.
-    pub fn touch(&mut self, pose: Pose, contact: Point, surface: &Surface) -> Option<Pose> {
-        let normal = surface.normal;
-        let arm = contact - pose.position;
-        let mut row =
-            vec![(POSE, normal.x), (POSE + 1, normal.y), (POSE + 2, normal.dot(&perp(arm)))];
-        let tie = surface.tie;
-        for (index, weight) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
-            let start = FIRST_KNOT + 3 * index;
-            let lever = normal.dot(&perp(surface.at - self.knots[index].at));
-            row.push((start, -weight * normal.x));
-            row.push((start + 1, -weight * normal.y));
-            row.push((start + 2, -weight * lever));
-        }
-        let off = normal.dot(&(contact - surface.at));
-        let variance = CONTACT_SD.max(surface.sd).powi(2);
-        let spread = self.spread(&row) + variance;
-        if off * off > GATE * GATE * spread || off.abs() > FARTHEST {
-            return None;
-        }
-        self.update(&row, -off, variance);
-        Some(self.take_pose(pose))
-    }
-
-    /// What is `off` a surface along `normal`, at `point` as believed when its knots were marked;
-    /// `surface` says how that surface moves off with its unknowns.
-    #[must_use]
-    pub fn look(
-        &self,
-        point: Point,
-        normal: Vector,
-        tie: &Tie,
-        off: f64,
-        surface: [f64; 3],
-    ) -> Look {
-        let of = |index: usize, weight: f64| {
-            let lever = normal.dot(&perp(point - self.knots[index].at));
-            [weight * normal.x, weight * normal.y, weight * lever]
-        };
-        let knots = [of(tie.first, 1.0 - tie.share), of(tie.second, tie.share)];
-        Look { tie: (tie.first, tie.second), knots, surface, off, variance: 0.0 }
-    }
-
-    /// Lays all of `looks` on one surface that is itself unknown. Looks that cannot be of it at all
-    /// are passed over.
-    pub fn lay(&mut self, looks: &[Look]) {
-        let size = self.mean.len();
-        self.covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
-        self.mean =
-            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
-        for k in 0..3 {
-            self.covariance[(size + k, size + k)] = SURFACE_SD * SURFACE_SD;
-        }
-        for look in looks {
-            let mut row: Vec<(usize, f64)> = Vec::with_capacity(9);
-            for (index, weights) in [look.tie.0, look.tie.1].into_iter().zip(look.knots) {
-                let start = FIRST_KNOT + 3 * index;
-                row.extend(weights.into_iter().enumerate().map(|(k, w)| (start + k, w)));
-            }
-            row.extend(look.surface.into_iter().enumerate().map(|(k, w)| (size + k, -w)));
-            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
-            let innovation = -look.off - predicted;
-            let spread = self.spread(&row) + look.variance;
-            if innovation * innovation < GATE * GATE * spread {
-                self.update(&row, innovation, look.variance);
-            }
-        }
-        self.covariance = std::mem::take(&mut self.covariance).resize(size, size, 0.0);
-        self.mean =
-            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size, 0.0);
     }
 
     /// Hands out the correction of the pose that has come together.

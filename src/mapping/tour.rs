@@ -23,7 +23,7 @@ use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
-use drive::{Aim, Drive, best_chord};
+use drive::{Aim, Drive, Purpose, best_chord};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 
@@ -344,7 +344,7 @@ impl Tour {
             _ => {}
         }
         if drive.way.is_empty() && !self.plan_piece(&mut drive, scene.rest.pose.position) {
-            if drive.bearings {
+            if drive.purpose == Purpose::Bearings {
                 self.doing = Doing::Choosing;
                 return (!drive.skipped).then(|| self.look_round());
             }
@@ -445,7 +445,7 @@ impl Tour {
         scene: &mut Scene<'_>,
     ) {
         self.doing = Doing::Choosing;
-        if drive.bearings {
+        if drive.purpose == Purpose::Bearings {
             return;
         }
         self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);

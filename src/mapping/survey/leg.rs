@@ -122,9 +122,9 @@ impl Leg {
         Some(std::mem::take(self)).filter(|leg| leg.length > LEAST_LENGTH)
     }
 
-    /// Whether nothing of it was driven yet.
-    pub(super) fn is_new(&self) -> bool {
-        self.length == 0.0
+    /// Whether `step`, just taken, was the first of it.
+    pub(super) fn began_with(&self, step: &Step) -> bool {
+        self.length <= step.length()
     }
 
     /// Variance of `off` but for the wander of the wheels and of the gyro, square radians; one tick
@@ -134,5 +134,45 @@ impl Leg {
         resolution * resolution / 3.0
             + TURN_SHARE * TURN_SHARE * self.squares
             + (NET_SHARE * self.net).powi(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(metres: f64, gyro: f64, wheels: f64) -> Step {
+        let spun = (Spun::default(), Spun { gyro, wheels, wound: gyro.abs() });
+        let to = Pose::new(metres, 0.0, gyro);
+        Step { from: Pose::new(0.0, 0.0, 0.0), to, seconds: 0.1, spun }
+    }
+
+    #[test]
+    fn a_leg_ends_with_a_turn_and_counts_when_it_is_long() {
+        let mut leg = Leg::default();
+        for _ in 0..10 {
+            assert!(leg.take(&step(0.02, 0.0, 0.001)).is_none());
+        }
+        assert!(leg.take(&step(0.0, 0.2, 0.2)).is_none(), "0.2 m say nothing");
+        for _ in 0..30 {
+            assert!(leg.take(&step(0.02, 0.0, 0.001)).is_none());
+        }
+        let whole = leg.take(&step(0.0, 0.2, 0.2)).expect("0.6 m");
+        assert!((whole.length - 0.6).abs() < 1e-9 && (whole.off - 0.03).abs() < 1e-9);
+        assert_eq!(leg, Leg::default());
+    }
+
+    #[test]
+    fn the_floor_is_judged_by_how_well_wheels_and_gyro_agree() {
+        let spread = 1.0e-6;
+        let (mut good, mut bad) = (Grip::default(), Grip::default());
+        for k in 0..100 {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            good.learn(2.0, sign * 0.001, spread);
+            bad.learn(2.0, sign * 0.005, spread);
+        }
+        assert!(good.wander() < 0.5 * WANDER, "{}", good.wander());
+        // 25e-6 in 2 m are 12e-6 a metre.
+        assert!((bad.wander() - 12.0e-6).abs() < 2.0e-6, "{}", bad.wander());
     }
 }

@@ -3,6 +3,7 @@
 //! leaves the way along it open. Then it goes along the longer of them for a metre and turns again:
 //! two looks at one wall, far apart, say how it heads, which one look says badly.
 
+use super::drive::Purpose;
 use super::{Drive, ROOM, Scene, Tour};
 use crate::geometry::{Piece, Point, Ring, angle, perp};
 use crate::mapping::event::EventKind;
@@ -70,7 +71,7 @@ impl Tour {
     /// A drive to a corner near the robot, when the pose has become too uncertain to go on.
     pub(super) fn bearings(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
         if let Some(along) = self.look_next.take() {
-            return Some(Drive { bearings: true, ..Drive::new(0, along, along) });
+            return Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, along, along) });
         }
         let at = scene.rest.pose.position;
         let driven = scene.tracker.travelled() - self.bearings_at;
@@ -95,7 +96,7 @@ impl Tour {
         scene.tell.push(EventKind::Bearings { sd });
         self.bearings_at = scene.tracker.travelled();
         self.look_next = spot.along;
-        Some(Drive { bearings: true, ..Drive::new(0, spot.at, spot.at) })
+        Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, spot.at, spot.at) })
     }
 
     /// At the corner: a turn that leads every wall past at least two switches.

@@ -14,6 +14,15 @@ pub(super) enum Aim {
     Way,
 }
 
+/// What a drive is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// A line of the plan.
+    Line,
+    /// No line at all, but the way to a place where bearings are taken.
+    Bearings,
+}
+
 /// The piece of a line that is being driven.
 #[derive(Debug, Clone)]
 pub(super) struct Drive {
@@ -34,8 +43,7 @@ pub(super) struct Drive {
     pub(super) again: bool,
     /// Driven from its end.
     pub(super) backwards: bool,
-    /// No line at all, but the way to a corner where bearings are taken.
-    pub(super) bearings: bool,
+    pub(super) purpose: Purpose,
 }
 
 impl Drive {
@@ -53,7 +61,7 @@ impl Drive {
             way: VecDeque::new(),
             again: false,
             backwards: false,
-            bearings: false,
+            purpose: Purpose::Line,
         }
     }
 

@@ -1,0 +1,166 @@
+//! What is seen makes the survey more certain: a lap laid on its own beginning, a touch of something
+//! mapped, and walls that are straight or round.
+
+use super::{FIRST_KNOT, GATE, POSE, Survey, Tie};
+use crate::geometry::{Point, Pose, Vector, perp};
+use nalgebra::{DVector, Matrix3, Vector3};
+
+/// A contact about the surface it lies on, metres: jitter of the switch, fit of the wall.
+const CONTACT_SD: f64 = 0.002;
+/// Nor farther than this, metres.
+const FARTHEST: f64 = 0.15;
+/// How far off a surface may be before anything is known of it, metres.
+const SURFACE_SD: f64 = 0.3;
+
+/// Where a contact should lie: a point of the mapped surface, its unit normal to either side, and
+/// what that surface hangs on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// The mapped point nearest to the contact, as believed now.
+    pub at: Point,
+    /// Unit normal.
+    pub normal: Vector,
+    /// What it hangs on.
+    pub tie: Tie,
+    /// Standard deviation of the mapped contacts about it, metres: large where it is ragged.
+    pub sd: f64,
+}
+
+/// How far something seen from the lap lies off a surface that may lie anywhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The knots between which it was seen.
+    tie: (usize, usize),
+    /// By how much it moves off with the errors of these knots.
+    knots: [[f64; 3]; 2],
+    /// By how much the surface follows with each of its unknowns.
+    surface: [f64; 3],
+    /// How far off it is, metres.
+    off: f64,
+    variance: f64,
+}
+
+impl Look {
+    /// Whether both hang on the same knots.
+    #[must_use]
+    pub fn is_of(&self, other: &Self) -> bool {
+        self.tie == other.tie
+    }
+
+    /// Adds another that hangs on the same knots.
+    pub fn add(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.knots[0][k] += other.knots[0][k];
+            self.knots[1][k] += other.knots[1][k];
+            self.surface[k] += other.surface[k];
+        }
+        self.off += other.off;
+    }
+
+    /// The mean of `count` that were added, good to `variance` (square metres).
+    #[must_use]
+    pub fn mean_of(mut self, count: f64, variance: f64) -> Self {
+        for k in 0..3 {
+            self.knots[0][k] /= count;
+            self.knots[1][k] /= count;
+            self.surface[k] /= count;
+        }
+        Self { off: self.off / count, variance, ..self }
+    }
+}
+
+impl Survey {
+    /// Lays the pose at knot `late` on the place of knot `early`. By how much it is off was measured
+    /// with `normal` and `right`, the normal equations of (x, y, heading); directions that they say
+    /// nothing of stay as they are.
+    pub fn close(&mut self, early: &Tie, late: &Tie, normal: &Matrix3<f64>, right: &Vector3<f64>) {
+        let rows = self.relation(early, late);
+        let eigen = normal.symmetric_eigen();
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value < 1.0 {
+                continue;
+            }
+            let row: Vec<(usize, f64)> = rows
+                .iter()
+                .zip(vector.iter())
+                .flat_map(|(row, weight)| row.iter().map(move |(k, w)| (*k, w * weight)))
+                .collect();
+            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+            let measured = -vector.dot(right) / value;
+            self.update(&row, measured - predicted, 1.0 / value);
+        }
+    }
+
+    /// Takes a contact at `contact`, seen from `pose`, that should lie on `surface`; returns the
+    /// corrected pose, or none when it is too far off to be that surface.
+    pub fn touch(&mut self, pose: Pose, contact: Point, surface: &Surface) -> Option<Pose> {
+        let normal = surface.normal;
+        let arm = contact - pose.position;
+        let mut row =
+            vec![(POSE, normal.x), (POSE + 1, normal.y), (POSE + 2, normal.dot(&perp(arm)))];
+        let tie = surface.tie;
+        for (index, weight) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
+            let start = FIRST_KNOT + 3 * index;
+            let lever = normal.dot(&perp(surface.at - self.knots[index].at));
+            row.push((start, -weight * normal.x));
+            row.push((start + 1, -weight * normal.y));
+            row.push((start + 2, -weight * lever));
+        }
+        let off = normal.dot(&(contact - surface.at));
+        let variance = CONTACT_SD.max(surface.sd).powi(2);
+        let spread = self.spread(&row) + variance;
+        if off * off > GATE * GATE * spread || off.abs() > FARTHEST {
+            return None;
+        }
+        self.update(&row, -off, variance);
+        Some(self.take_pose(pose))
+    }
+
+    /// What is `off` a surface along `normal`, at `point` as believed when its knots were marked;
+    /// `surface` says how that surface moves off with its unknowns.
+    #[must_use]
+    pub fn look(
+        &self,
+        point: Point,
+        normal: Vector,
+        tie: &Tie,
+        off: f64,
+        surface: [f64; 3],
+    ) -> Look {
+        let of = |index: usize, weight: f64| {
+            let lever = normal.dot(&perp(point - self.knots[index].at));
+            [weight * normal.x, weight * normal.y, weight * lever]
+        };
+        let knots = [of(tie.first, 1.0 - tie.share), of(tie.second, tie.share)];
+        Look { tie: (tie.first, tie.second), knots, surface, off, variance: 0.0 }
+    }
+
+    /// Lays all of `looks` on one surface that is itself unknown. Looks that cannot be of it at all
+    /// are passed over.
+    pub fn lay(&mut self, looks: &[Look]) {
+        let size = self.mean.len();
+        self.covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
+        self.mean =
+            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
+        for k in 0..3 {
+            self.covariance[(size + k, size + k)] = SURFACE_SD * SURFACE_SD;
+        }
+        for look in looks {
+            let mut row: Vec<(usize, f64)> = Vec::with_capacity(9);
+            for (index, weights) in [look.tie.0, look.tie.1].into_iter().zip(look.knots) {
+                let start = FIRST_KNOT + 3 * index;
+                row.extend(weights.into_iter().enumerate().map(|(k, w)| (start + k, w)));
+            }
+            row.extend(look.surface.into_iter().enumerate().map(|(k, w)| (size + k, -w)));
+            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+            let innovation = -look.off - predicted;
+            let spread = self.spread(&row) + look.variance;
+            if innovation * innovation < GATE * GATE * spread {
+                self.update(&row, innovation, look.variance);
+            }
+        }
+        self.covariance = std::mem::take(&mut self.covariance).resize(size, size, 0.0);
+        self.mean =
+            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size, 0.0);
+    }
+}

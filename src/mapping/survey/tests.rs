@@ -1,0 +1,123 @@
+use super::*;
+use crate::mapping::map::Spun;
+
+/// Straight on for `metres` in steps of 0.05 m at 0.2 m/s: the gyro errs by `gyro` and the wheels by
+/// `wheels` radians a metre; the believed pose follows the gyro.
+fn drive(survey: &mut Survey, from: Pose, metres: f64, gyro: f64, wheels: f64) -> Pose {
+    let steps = (metres / 0.05).round() as u32;
+    let (mut pose, mut spun) = (from, Spun::default());
+    for _ in 0..steps {
+        let mut next = spun;
+        next.gyro += gyro * 0.05;
+        next.wheels += wheels * 0.05;
+        next.wound += (gyro * 0.05).abs();
+        let to = Pose {
+            position: pose.position + angle::unit(pose.heading) * 0.05,
+            heading: pose.heading + gyro * 0.05,
+        };
+        survey.predict(&Step { from: pose, to, seconds: 0.25, spun: (spun, next) }, 0.003);
+        (pose, spun) = (to, next);
+    }
+    pose
+}
+
+/// A quarter turn to the left on the spot.
+fn turn(survey: &mut Survey, from: Pose) -> Pose {
+    let to = Pose { heading: from.heading + angle::PI / 2.0, ..from };
+    let wound = angle::PI / 2.0;
+    let spun = (Spun::default(), Spun { gyro: wound, wheels: wound, wound });
+    survey.predict(&Step { from, to, seconds: 0.8, spun }, 0.003);
+    to
+}
+
+const TICK: f64 = 0.0005 / 0.16;
+
+#[test]
+fn driving_makes_the_pose_less_certain_and_a_touch_more() {
+    let mut survey = Survey::new(TICK);
+    let origin = survey.mark(Point::origin(), 0);
+    let pose = drive(&mut survey, Pose::new(0.0, 0.0, 0.0), 4.0, 0.0, 0.0);
+    let before = survey.position_sd();
+    assert!(before > 0.01, "{before}");
+    // A wall across the way, seen 20 mm nearer than it was mapped from the origin.
+    let contact = pose.position + Vector::new(0.16, 0.0);
+    let at = contact + Vector::new(0.02, 0.0);
+    let surface = Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002 };
+    let fixed = survey.touch(pose, contact, &surface).expect("near enough");
+    assert!((fixed.position.x - pose.position.x - 0.02).abs() < 0.005, "{fixed:?}");
+    assert!((fixed.position.y - pose.position.y).abs() < 0.002, "the way along the wall is open");
+    // Along the wall it is as uncertain as before, across it much less.
+    let here = survey.mark(fixed.position, 1);
+    let across = survey.relative(&origin, &here);
+    assert!(across[(0, 0)].sqrt() < 0.004 && across[(1, 1)].sqrt() > 0.5 * before);
+}
+
+#[test]
+fn a_contact_that_cannot_be_of_the_surface_is_refused() {
+    let mut survey = Survey::new(TICK);
+    let origin = survey.mark(Point::origin(), 0);
+    let pose = drive(&mut survey, Pose::new(0.0, 0.0, 0.0), 0.5, 0.0, 0.0);
+    let contact = pose.position + Vector::new(0.16, 0.0);
+    let at = contact + Vector::new(0.12, 0.0);
+    let surface = Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002 };
+    let before = survey.clone();
+    assert_eq!(survey.touch(pose, contact, &surface), None);
+    assert_eq!(survey, before);
+}
+
+/// Four walls of 3 m, all with the gyro's drift of `gyro` radians a metre.
+fn lap(gyro: f64) -> (Survey, Tie, Tie, Pose) {
+    let mut survey = Survey::new(TICK);
+    let mut pose = Pose::new(0.0, 0.0, 0.0);
+    let first = survey.mark(pose.position, 0);
+    for side in 1..=4 {
+        pose = drive(&mut survey, pose, 3.0, gyro, 0.0);
+        pose = turn(&mut survey, pose);
+        survey.mark(pose.position, side * 15_000_000);
+    }
+    let last = survey.mark(pose.position, 61_000_000);
+    (survey, first, last, pose)
+}
+
+#[test]
+fn a_closed_lap_ends_where_it_began_and_is_spread_between() {
+    let (mut survey, first, last, end) = lap(0.003);
+    let off = end.position.coords.norm();
+    assert!(off > 0.03, "{off}");
+    // Measured well: the end lies on the beginning.
+    let normal = Matrix3::from_diagonal(&Vector3::new(1e6, 1e6, 1e6));
+    let misclosure =
+        Vector3::new(end.position.x, end.position.y, angle::wrap(end.heading - 2.0 * angle::PI));
+    survey.close(&first, &last, &normal, &(normal * misclosure));
+    let closed = survey.place(end, &last);
+    assert!(closed.position.coords.norm() < 0.003, "{closed:?}");
+    // The far corner should be at (3, 3); it is now nearer to it than the drift left it.
+    let middle = survey.tie(30_000_000, survey.knots());
+    let raw = survey.knots[middle.first].at;
+    let adjusted = raw + survey.displacement(raw, &middle);
+    let corner = Point::new(3.0, 3.0);
+    assert!((adjusted - corner).norm() < 0.6 * (raw - corner).norm(), "{raw} {adjusted}");
+    // What was learnt: the gyro drifts.
+    assert!(survey.take_bias() < -1e-4);
+}
+
+#[test]
+fn on_long_legs_the_wheels_are_believed_once_they_agree_with_each_other() {
+    // A long rest has told the gyro's drift. It wanders one way and the other; the wheels run true.
+    let mut survey = Survey::new(TICK);
+    survey.rest(1e5, 0.0);
+    let mut pose = Pose::new(0.0, 0.0, 0.0);
+    for leg in 0..24 {
+        let wander = if leg % 2 == 0 { 0.001 } else { -0.001 };
+        let end = drive(&mut survey, pose, 4.0, wander, 0.0);
+        pose = turn(&mut survey, end);
+    }
+    let from = survey.take_pose(pose);
+    let begin = survey.mark(from.position, 1);
+    let end = drive(&mut survey, from, 4.0, 0.001, 0.0);
+    let corner = turn(&mut survey, end);
+    // Of the 4 mrad between its ends, the gyro's own, most are taken out.
+    let (first, last) = (survey.place(from, &begin), survey.take_pose(corner));
+    let turned = angle::wrap(last.heading - first.heading - angle::PI / 2.0);
+    assert!(turned.abs() < 0.0015, "{turned}");
+}

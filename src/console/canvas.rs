@@ -34,6 +34,14 @@ pub enum Pattern {
 }
 
 impl Pattern {
+    /// No dots are set but at multiples of this.
+    fn stride(self) -> i64 {
+        match self {
+            Self::Sparse(n) => i64::from(n.max(1)),
+            Self::Solid | Self::Dash { .. } => 1,
+        }
+    }
+
     fn sets(self, step: i64) -> bool {
         match self {
             Self::Solid => true,
@@ -88,15 +96,21 @@ impl Canvas {
     /// Lines from each point to the next. Points that fall on the dot of the one before are
     /// passed over, so long tracks cost no more than their dots.
     pub fn polyline(&mut self, points: impl IntoIterator<Item = Point>, role: Role) {
-        let mut last: Option<(f64, f64)> = None;
+        let mut last: Option<((f64, f64), (i32, i32))> = None;
         for p in points {
             let here = self.view.to_dots(p);
-            match last {
-                Some(before) if same_dot(before, here) => continue,
-                Some(before) => self.segment(before, here, role, Pattern::Solid),
-                None => self.dot_at(here.0, here.1, role),
+            let dot = (whole(here.0), whole(here.1));
+            if let Some((before, old)) = last {
+                let apart = (dot.0.abs_diff(old.0)).max(dot.1.abs_diff(old.1));
+                match apart {
+                    0 => continue,
+                    1 => self.set(dot.0, dot.1, role),
+                    _ => self.segment(before, here, role, Pattern::Solid),
+                }
+            } else {
+                self.dot_at(here.0, here.1, role);
             }
-            last = Some(here);
+            last = Some((here, dot));
         }
     }
 
@@ -202,11 +216,14 @@ impl Canvas {
         };
         let steps = dx.abs().max(dy.abs()).ceil().max(1.0);
         let (first, last) = ((enter * steps).floor() as i64, (leave * steps).ceil() as i64);
-        for step in first..=last {
-            if pattern.sets(step) {
+        let stride = pattern.stride();
+        let mut step = first.div_euclid(stride) * stride;
+        while step <= last {
+            if step >= first && pattern.sets(step) {
                 let t = (step as f64 / steps).clamp(enter, leave);
                 self.dot_at(a.0 + dx * t, a.1 + dy * t, role);
             }
+            step += stride;
         }
     }
 
@@ -263,8 +280,10 @@ impl Canvas {
     }
 }
 
-fn same_dot(a: (f64, f64), b: (f64, f64)) -> bool {
-    a.0.floor() == b.0.floor() && a.1.floor() == b.1.floor()
+/// The whole number at or below `x`; `f64::floor` is a call on machines of the common kind.
+fn whole(x: f64) -> i32 {
+    let cut = x as i32;
+    if f64::from(cut) > x { cut.saturating_sub(1) } else { cut }
 }
 
 #[cfg(test)]

@@ -42,8 +42,9 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
     header::draw(model, snapshot, theme, regions.header, buf);
     phases::draw(snapshot, theme, regions.phases, buf);
     draw_rules(&regions, snapshot, theme, buf);
-    map::draw(model, snapshot, theme, regions.map, buf);
-    map::draw_title(model, snapshot, theme, &regions, buf);
+    let shown = map::viewport(&model.camera, snapshot, regions.map);
+    map::draw(model, snapshot, shown, theme, regions.map, buf);
+    map::draw_title(model, shown, theme, &regions, buf);
     panel::draw(snapshot, theme, regions.panel, buf);
     log::draw(model, snapshot, theme, regions.log, buf);
     banner::draw(model, snapshot, theme, regions.map, buf);

@@ -53,9 +53,16 @@ fn robot(snapshot: &Snapshot) -> Option<(RobotView, bool)> {
     }
 }
 
-/// Draws the map into `area`.
-pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
-    let mut canvas = Canvas::new(viewport(&model.camera, snapshot, area));
+/// Draws the map as `shown` into `area`.
+pub fn draw(
+    model: &Model,
+    snapshot: &Snapshot,
+    shown: Viewport,
+    theme: &Theme,
+    area: Rect,
+    buf: &mut Buffer,
+) {
+    let mut canvas = Canvas::new(shown);
     draw_floor(&mut canvas, snapshot, model.layers);
     draw_robot(&mut canvas, snapshot);
     canvas.blit(theme, area, buf);
@@ -174,12 +181,11 @@ fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
 /// Writes the map's title into the rule above it.
 pub fn draw_title(
     model: &Model,
-    snapshot: &Snapshot,
+    view: Viewport,
     theme: &Theme,
     regions: &Regions,
     buf: &mut Buffer,
 ) {
-    let view = viewport(&model.camera, snapshot, regions.map);
     let how = match model.camera {
         Camera::Fit => "",
         Camera::Follow { .. } => " · following",

@@ -217,6 +217,8 @@ pub enum Failure {
     OutlineBroken,
     /// Too many bumps in one place.
     TooManyBumps,
+    /// The two wheels and the gyro contradict each other.
+    WheelsLie,
     /// The operator ended the run.
     Ended,
 }
@@ -230,6 +232,10 @@ impl fmt::Display for Failure {
             Self::Boxed => "the robot is held on all sides",
             Self::OutlineBroken => "the contacts make no simple closed outline",
             Self::TooManyBumps => "too many bumps in one place",
+            Self::WheelsLie => {
+                "by its wheels the robot goes in curves where by its gyro it goes straight: see to \
+                 the encoders, and to the wheel base of the chassis"
+            }
             Self::Ended => "ended by the operator",
         })
     }

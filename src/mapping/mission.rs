@@ -25,6 +25,10 @@ use crate::robot::{Command, CommandId, DoneReason, Motion, Odometer, SwitchSet, 
 /// What the wheels add on the tour, where one move may be metres long, metres per root metre.
 const WHEEL_SD: f64 = 0.008;
 
+/// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
+/// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
+const LOPSIDED: f64 = 0.31;
+
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Output {
@@ -411,6 +415,9 @@ impl Mission {
             }
             Next::Found(closure, overlap) => {
                 self.close_boundary(search.wall(), &closure, &overlap);
+                if self.survey.lopsided().abs() > LOPSIDED {
+                    return self.fail(Failure::WheelsLie, out);
+                }
                 self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
                 self.phase = Phase::Shape;
                 self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);

@@ -32,9 +32,10 @@ const SCALE_SD: f64 = 1.0e-3;
 /// How far from a surface a contact may lie and still be of it, in standard deviations.
 const GATE: f64 = 3.5;
 
-/// What one wheel's scale may be off from the other's before anything is known of it, radians per
+/// What the wheels may turn by where the robot goes straight, before anything is known of them: even
+/// one that stands still is to be found out. Radians per
 /// metre.
-const WHEELS_SD: f64 = 0.05;
+const WHEELS_SD: f64 = 10.0;
 
 /// Rows of the pose, of the gyro's drift and scale, of what the wheels turn by when they should go
 /// straight (per metre), and of what the gyro wandered since the leg began.
@@ -153,6 +154,13 @@ impl Survey {
                 self.mean[row + k] = 0.0;
             }
         }
+    }
+
+    /// By how much the wheels turn, by their own account, where the gyro goes straight: radians per
+    /// metre.
+    #[must_use]
+    pub fn lopsided(&self) -> f64 {
+        self.mean[WHEELS]
     }
 
     /// How many knots there are.

@@ -1,9 +1,12 @@
 //! The whole run over a line that loses, bends, doubles and delays bytes, with a simulated robot at
 //! the other end; in virtual time.
 
+mod adversity;
+
 use super::*;
 use crate::firmware::{Device, STEP};
 use crate::link::{Faults, FaultyWay};
+use crate::robot::{Edge, Hardware, Odometer, SwitchSet};
 use crate::session::RunState;
 use crate::simulator::{Body, NoiseProfile, World};
 use rand::{Rng, SeedableRng};
@@ -11,16 +14,65 @@ use rand_chacha::ChaCha8Rng;
 
 /// A record in memory that outlives its host.
 #[derive(Clone, Default)]
-struct Memory(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
+struct Memory {
+    bytes: std::rc::Rc<std::cell::RefCell<Vec<u8>>>,
+    /// How many writes the disk still has room for; none: for all.
+    room: std::rc::Rc<std::cell::Cell<Option<usize>>>,
+}
 
 impl Write for Memory {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.borrow_mut().extend_from_slice(bytes);
+        match self.room.get() {
+            Some(0) => return Err(std::io::Error::other("no space left on device")),
+            Some(left) => self.room.set(Some(left - 1)),
+            None => {}
+        }
+        self.bytes.borrow_mut().extend_from_slice(bytes);
         Ok(bytes.len())
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
         Ok(())
+    }
+}
+
+/// A body whose encoders do not tell the truth.
+struct Liar<'a> {
+    body: &'a mut Body,
+    lie: [f64; 2],
+}
+
+impl Liar<'_> {
+    fn bend(&self, told: Odometer) -> Odometer {
+        let [left, right] = self.lie;
+        Odometer {
+            left_ticks: (told.left_ticks as f64 * left).round() as i64,
+            right_ticks: (told.right_ticks as f64 * right).round() as i64,
+            ..told
+        }
+    }
+}
+
+impl Hardware for Liar<'_> {
+    fn drive(&mut self, speed: f64, rate: f64) {
+        self.body.drive(speed, rate);
+    }
+
+    fn odometer(&self) -> Odometer {
+        self.bend(self.body.odometer())
+    }
+
+    fn switches(&self) -> SwitchSet {
+        self.body.switches()
+    }
+
+    fn bumper(&self) -> bool {
+        self.body.bumper()
+    }
+
+    fn take_edge(&mut self) -> Option<Edge> {
+        let edge = self.body.take_edge()?;
+        Some(Edge { odometer: self.bend(edge.odometer), ..edge })
     }
 }
 
@@ -34,6 +86,8 @@ struct Rig {
     up: FaultyWay,
     now: f64,
     host_dead: bool,
+    /// What the robot says its wheels did, as shares of what they did.
+    lie: [f64; 2],
     /// What the robot hears, read beside it: where it was when it last had a good line.
     ear: crate::wire::Decoder,
     good: crate::geometry::Point,
@@ -61,6 +115,7 @@ fn rig(faults: Faults, seed: u64, at_once: bool) -> Rig {
         up: FaultyWay::new(faults, seed * 2 + 1),
         now: 0.0,
         host_dead: false,
+        lie: [1.0, 1.0],
         ear: crate::wire::Decoder::default(),
         good: world.start.position,
         farthest: 0.0,
@@ -85,12 +140,13 @@ impl Rig {
             self.good = at;
         }
         self.farthest = self.farthest.max((at - self.good).norm());
-        if self.device.receive(&down, &self.body) {
-            self.body.begin_motion();
+        let mut liar = Liar { body: &mut self.body, lie: self.lie };
+        if self.device.receive(&down, &liar) {
+            liar.body.begin_motion();
         }
         let even = ((self.now / STEP * 2.0).round() as u64).is_multiple_of(2);
         if even {
-            self.device.step(&mut self.body, |_, _| {});
+            self.device.step(&mut liar, |_, _| {});
             self.body.step(STEP);
         }
         let out = self.device.take_output();
@@ -100,7 +156,7 @@ impl Rig {
     /// The board is started again: its motors stand still then.
     fn reboot(&mut self) {
         self.device = Device::new(&crate::robot::Chassis::default(), "tin", 4, 1.0);
-        crate::robot::Hardware::drive(&mut self.body, 0.0, 0.0);
+        Hardware::drive(&mut self.body, 0.0, 0.0);
     }
 
     fn until(&mut self, seconds: f64, done: impl Fn(&Self) -> bool) -> bool {
@@ -235,10 +291,10 @@ fn nobody_there_is_said() {
 
 /// A new host takes up the run of one that died.
 fn resurrect(rig: &mut Rig, session: u32) {
-    let bytes = rig.memory.0.borrow().clone();
+    let bytes = rig.memory.bytes.borrow().clone();
     let recording =
         crate::journal::reader::parse(std::path::Path::new("memory"), &bytes).expect("a record");
-    rig.memory.0.borrow_mut().truncate(recording.sound);
+    rig.memory.bytes.borrow_mut().truncate(recording.sound);
     let header = recording.header.clone();
     let records = recording.records.len() as u64;
     let mut replay = crate::session::Replay::new(recording);
@@ -279,8 +335,8 @@ fn a_host_that_is_killed_again_and_again_ends_with_the_same_map() {
             // A dead host hears nothing; what it wrote last may be cut anywhere.
             rig.host_dead = true;
             let cut = rng.random_range(0..40);
-            let length = rig.memory.0.borrow().len();
-            rig.memory.0.borrow_mut().truncate(length.saturating_sub(cut));
+            let length = rig.memory.bytes.borrow().len();
+            rig.memory.bytes.borrow_mut().truncate(length.saturating_sub(cut));
             rig.until(0.2 + rng.random::<f64>() * 3.0, |_| false);
             rig.up.clear();
             resurrect(&mut rig, 100 + lives);

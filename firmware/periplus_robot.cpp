@@ -264,7 +264,9 @@ void Robot::control() {
   if (hit) {
     speed_ = 0;
   } else if (why_[0]) {
-    speed_ -= clamp(speed_, -change, change);
+    // A stop brakes twice as hard as the end of a motion.
+    const double brake = strcmp(why_, "stop") ? change : 2 * change;
+    speed_ -= clamp(speed_, -brake, brake);
   } else {
     double target = sqrt(2 * acceleration * fabs(left));
     if (target > most_) target = most_;

@@ -17,6 +17,8 @@ use crate::robot::{
 pub const STEP: f64 = 0.02;
 /// Silence of the host after which the robot stops, seconds.
 pub const WATCHDOG: f64 = 0.3;
+/// A stop brakes so many times as hard as the end of a motion.
+const HARD: f64 = 2.0;
 /// Steps between two reports.
 const REPORT_STEPS: u32 = 5;
 
@@ -140,8 +142,9 @@ impl Firmware {
         let change = acceleration * STEP;
         running.speed = if hit {
             0.0
-        } else if running.ending.is_some() {
-            running.speed - running.speed.clamp(-change, change)
+        } else if let Some(ending) = running.ending {
+            let brake = if ending == DoneReason::Stopped { HARD * change } else { change };
+            running.speed - running.speed.clamp(-brake, brake)
         } else {
             target.clamp(running.speed - change * 1.5, running.speed + change)
         };

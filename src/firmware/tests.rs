@@ -223,7 +223,7 @@ fn stop_brakes_at_once_and_wins_over_the_rest() {
     robot.firmware.stop();
     let (reason, seconds) = robot.until_done(true);
     assert_eq!(reason, DoneReason::Stopped);
-    assert!(seconds <= 0.2 + 2.0 * STEP, "braked for {seconds} s");
+    assert!(seconds <= 0.1 + 2.0 * STEP, "braked for {seconds} s");
 }
 
 #[test]

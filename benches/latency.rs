@@ -152,7 +152,7 @@ mod measured {
                         return;
                     }
                 }
-                std::thread::sleep(Duration::from_millis(30));
+                let _ = line.ending(Duration::from_millis(30));
             }
         };
         draw(4.0, &|_| false);

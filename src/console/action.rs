@@ -62,6 +62,8 @@ pub enum Action {
     CommandLine,
     /// Draw everything anew.
     Redraw,
+    /// Stop the robot and give the shell its turn.
+    Suspend,
     /// Leave.
     Quit,
 }
@@ -151,6 +153,13 @@ pub const ACTIONS: &[ActionInfo] = &[
         "",
     ),
     row(Action::Redraw, "redraw", "draw the screen anew", Group::Screen, ""),
+    row(
+        Action::Suspend,
+        "suspend",
+        "stop the robot and go back to the shell; fg goes on",
+        Group::Screen,
+        "",
+    ),
     row(Action::CommandLine, "command-line", "type a command", Group::Screen, "line"),
     row(Action::Help, "help", "this help", Group::Screen, "help"),
     row(Action::Quit, "quit", "leave; asks only while the robot moves", Group::Screen, "quit"),

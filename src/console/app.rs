@@ -20,6 +20,9 @@ use tokio::signal::unix::{SignalKind, signal};
 /// A frame at most this often.
 const FRAME: Duration = Duration::from_millis(33);
 
+/// A stop takes no longer than this, the line and the brakes together.
+const REST: Duration = Duration::from_millis(200);
+
 /// How the console is set up.
 pub struct Options {
     /// The keys.
@@ -91,6 +94,14 @@ async fn turn(
                         Effect::Intent(intent) => driver.intent(intent),
                         Effect::Quit => return Ok(Ending::Quit),
                         Effect::Redraw => { guard.terminal.clear()?; drawn = None; }
+                        Effect::Suspend => {
+                            // The robot is at rest before nobody is there to hear it.
+                            driver.advance(0.5);
+                            tokio::time::sleep(REST).await;
+                            guard.lend()?;
+                            clock.since_last();
+                            drawn = None;
+                        }
                         Effect::Export(dir) => export(driver, &mut model, &dir),
                     }
                 }

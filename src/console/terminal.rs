@@ -7,6 +7,7 @@ use crossterm::terminal::{
 use crossterm::{cursor, execute};
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
+use rustix::process::{Signal, kill_current_process_group};
 use std::io::{self, Stdout, stdout};
 
 /// The terminal while the console has it.
@@ -26,11 +27,28 @@ impl Guard {
             restore();
             report(panic);
         }));
-        enable_raw_mode()?;
-        execute!(stdout(), EnterAlternateScreen, EnableBracketedPaste, cursor::Hide)?;
+        enter()?;
         let terminal = Terminal::new(CrosstermBackend::new(stdout()))?;
         Ok(Self { terminal })
     }
+
+    /// Gives the terminal to the shell, as Ctrl-Z does, and takes it on again when the shell gives it
+    /// back (`fg`).
+    ///
+    /// # Errors
+    /// When the terminal refuses.
+    pub fn lend(&mut self) -> io::Result<()> {
+        restore();
+        // The whole group, or a `cargo run` around the program would keep the terminal.
+        kill_current_process_group(Signal::TSTP)?;
+        enter()?;
+        self.terminal.clear()
+    }
+}
+
+fn enter() -> io::Result<()> {
+    enable_raw_mode()?;
+    execute!(stdout(), EnterAlternateScreen, EnableBracketedPaste, cursor::Hide)
 }
 
 impl Drop for Guard {

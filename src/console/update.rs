@@ -22,6 +22,8 @@ pub enum Effect {
     Export(String),
     /// Draw everything anew.
     Redraw,
+    /// Give the shell its turn, with the robot at rest.
+    Suspend,
     /// Leave.
     Quit,
 }
@@ -123,6 +125,7 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::Help => model.overlay = Overlay::Help(0),
         Action::CommandLine => model.overlay = Overlay::Line(String::new()),
         Action::Redraw => return vec![Effect::Redraw],
+        Action::Suspend => return vec![Effect::Intent(Intent::Stop), Effect::Suspend],
         Action::Quit if may_move(snapshot) => model.overlay = Overlay::ConfirmQuit,
         Action::Quit => return vec![Effect::Quit],
     }

@@ -97,7 +97,9 @@ async fn turn(
                         Effect::Suspend => {
                             // The robot is at rest before nobody is there to hear it.
                             driver.advance(0.5);
-                            tokio::time::sleep(REST).await;
+                            let mut rest = clock.ticker(REST);
+                            rest.tick().await;
+                            rest.tick().await;
                             guard.lend()?;
                             clock.since_last();
                             drawn = None;

@@ -9,6 +9,9 @@ use crate::mapping::map::{LineReason, Part, PartClass, PlanLine, Shape};
 
 /// Arcs of polygonal parts are judged by chords within this, metres.
 const SAGITTA: f64 = 0.001;
+/// The last line of a fan is left out when it ends within this of the one before, metres: less than
+/// walls are known to.
+const LAST: f64 = 0.005;
 /// Places nearer than this are one and the same, metres.
 const SAME: f64 = 1e-9;
 
@@ -79,7 +82,9 @@ impl<'a> Fan<'a> {
         let after = (edge + 1) % count;
         let length = self.pieces[edge].length();
         self.fan_to_vertex(entries, vertex, edge);
-        let steps = (length / self.alpha - SAME).ceil().max(1.0) as u32;
+        // A wall measured a millimetre too long does not get a line more.
+        let steps = (length / self.alpha - LAST.min(0.1 * self.alpha) / self.alpha).ceil();
+        let steps = steps.max(1.0) as u32;
         for k in 1..steps {
             let share = f64::from(k) * self.alpha / length;
             let end = self.pieces[edge].at(share);
@@ -212,6 +217,16 @@ mod tests {
         assert_eq!(count(&lines, Some(LineReason::AlongBoundary)), 8);
         assert_eq!(count(&lines, Some(LineReason::Duplicate)), 6);
         assert!(lines.iter().zip(1..).all(|(line, id)| line.id == id));
+    }
+
+    #[test]
+    fn a_room_measured_a_little_too_large_has_the_lines_of_the_room() {
+        // 5 m by 4 m at α = 1: from each vertex 4 to the edge of 5 m and 3 to that of 4 m, and the two
+        // diagonals: 4 * 7 + 2.
+        for excess in [0.0, 0.0004, 0.003] {
+            let lines = planned(&rooms::rectangle(5.0 + excess, 4.0 + excess), 1.0);
+            assert_eq!(count(&lines, None), 30, "{excess}");
+        }
     }
 
     #[test]

@@ -1,3 +1,5 @@
+//! What driving, closing, touching and weighing do to a small survey, worked out by hand.
+
 use super::*;
 use crate::mapping::map::Spun;
 

@@ -5,29 +5,19 @@
 //! phases follow one another as the paper's section III does; Shape and Plan need no motion, so
 //! one call each is all of them. No clock, no I/O, no error: odd input becomes an event.
 
-use super::adjust::{Adjustment, Overlap};
-use super::circuit::Closure;
+mod hearing;
+mod phases;
+
 use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
-use super::map::{Contact, MappedObject, Phase, RoomMap};
+use super::map::{Contact, Phase, RoomMap};
 use super::odometry::Tracker;
-use super::plan::{self, PlanRequest};
-use super::search::{Next, Search, lap_contacts};
+use super::search::Search;
 use super::settings::Settings;
-use super::shape;
-use super::smooth::smooth;
-use super::survey::{Step, Survey};
-use super::tour::{Scene, Tour};
+use super::survey::Survey;
+use super::tour::Tour;
 use super::wall::Wall;
-use crate::geometry::{Point, Pose, Ring};
-use crate::robot::{Command, CommandId, DoneReason, Motion, Odometer, SwitchSet, Telemetry};
-
-/// What the wheels add on the tour, where one move may be metres long, metres per root metre.
-const WHEEL_SD: f64 = 0.008;
-
-/// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
-/// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
-const LOPSIDED: f64 = 0.31;
+use crate::robot::{Command, CommandId, DoneReason, Motion, SwitchSet};
 
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
@@ -259,89 +249,6 @@ impl Mission {
         }
     }
 
-    /// Takes one message of the robot.
-    pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Output>) {
-        match input {
-            Telemetry::Report { odometer, switches, bumper } => {
-                self.odometer(odometer);
-                self.closed = *switches;
-                self.bumper = *bumper;
-            }
-            Telemetry::Edge(edge) => {
-                let pose = self.odometer(&edge.odometer);
-                let turning = self.awaited.is_none_or(|awaited| awaited.turning);
-                let travelled = self.tracker.travelled();
-                let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
-                self.closed = self.closed.with(edge.sensor, edge.rising);
-                if let (Task::Tour(tour), Some(seen)) = (&mut self.task, seen)
-                    && let Some(fixed) = tour.fix(&mut self.survey, pose, &seen)
-                {
-                    self.tracker.correct(fixed);
-                }
-            }
-            Telemetry::Done { id, reason, odometer, switches, bumper } => {
-                let pose = self.odometer(odometer);
-                self.closed = *switches;
-                self.bumper = *bumper;
-                if self.awaited.is_some_and(|awaited| awaited.id == *id) {
-                    self.awaited = None;
-                    self.came_to_rest(pose, *reason, odometer.time_us, out);
-                }
-            }
-        }
-    }
-
-    fn came_to_rest(
-        &mut self,
-        pose: Pose,
-        reason: DoneReason,
-        time_us: u64,
-        out: &mut Vec<Output>,
-    ) {
-        self.rest = AtRest { pose, closed: self.closed, reason };
-        match reason {
-            DoneReason::Bumper | DoneReason::Stalled => {
-                self.bumps += 1;
-                let travelled = self.tracker.travelled();
-                if let Some(wall) = self.wall_mut() {
-                    wall.touch(pose, 0.0, travelled, time_us);
-                }
-                self.tell(EventKind::Bumped, out);
-            }
-            DoneReason::TimeLimit | DoneReason::HostSilent => {
-                self.tell(EventKind::Odd { reason }, out);
-            }
-            DoneReason::Complete | DoneReason::Guard { .. } | DoneReason::Stopped => {}
-        }
-    }
-
-    fn odometer(&mut self, odometer: &Odometer) -> Pose {
-        let (before, time) = (self.tracker.pose(), self.tracker.time_us());
-        let rested = self.tracker.rested_us();
-        let spun = self.tracker.spun();
-        let pose = self.tracker.advance(odometer, self.phase);
-        let rested = self.tracker.rested_us() - rested;
-        if let Some((seconds, rate)) = self.tracker.take_drift() {
-            self.survey.rest(seconds, rate);
-            self.tracker.set_bias(self.tracker.bias() - self.survey.take_bias());
-        }
-        if self.phase == Phase::Objects {
-            let passed = odometer.time_us.saturating_sub(time).saturating_sub(rested);
-            let step = Step {
-                from: before,
-                to: pose,
-                seconds: passed as f64 * 1e-6,
-                spun: (spun, self.tracker.spun()),
-            };
-            self.survey.predict(&step, WHEEL_SD);
-        }
-        let (travelled, closed) = (self.tracker.travelled(), self.closed);
-        if let Some(wall) = self.wall_mut() {
-            wall.carve(pose, closed, travelled);
-        }
-        pose
-    }
-
     fn tell(&mut self, kind: EventKind, out: &mut Vec<Output>) {
         out.push(Output::Event(Event { time_us: self.tracker.time_us(), kind }));
     }
@@ -398,182 +305,6 @@ impl Mission {
             }
             Task::Tour(tour) => self.tour(tour, out),
             Task::Over => {}
-        }
-    }
-
-    fn search(&mut self, mut search: Box<Search>, out: &mut Vec<Output>) {
-        let mut told = Vec::new();
-        let next = search.next(&self.tracker, &self.rest, &mut self.map, &mut told);
-        self.laps = search.laps();
-        for kind in told {
-            self.tell(kind, out);
-        }
-        match next {
-            Next::Go(ask) => {
-                self.task = Task::Search(search);
-                self.order(&ask, out);
-            }
-            Next::Found(closure, overlap) => {
-                self.close_boundary(search.wall(), &closure, &overlap);
-                if self.survey.lopsided().abs() > LOPSIDED {
-                    return self.fail(Failure::WheelsLie, out);
-                }
-                self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
-                self.phase = Phase::Shape;
-                self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);
-                self.task = Task::Shape;
-            }
-            Next::Failed(why) => {
-                self.map.contacts = search
-                    .wall()
-                    .log()
-                    .iter()
-                    .filter(|seen| seen.alive)
-                    .map(super::wall::Sighting::contact)
-                    .collect();
-                self.fail(why, out);
-            }
-        }
-    }
-
-    /// Takes the misclosure out of the lap, its contacts, the trajectory and the pose, and learns
-    /// the gyro's drift from it.
-    fn close_boundary(&mut self, wall: &Wall, closure: &Closure, overlap: &Overlap) {
-        let adjustment = Adjustment::new(&self.tracker, closure, overlap, 0);
-        self.map.contacts = lap_contacts(wall, closure, &adjustment);
-        self.map.closed = true;
-        self.map.misclosure = Some(overlap.misclosure);
-        self.survey = adjustment.into_survey();
-        self.settle();
-    }
-
-    /// Moves what was mapped before, the trajectory and the pose to where the survey believes them,
-    /// and goes on from there.
-    fn settle(&mut self) {
-        let survey = &mut self.survey;
-        let knots = survey.knots();
-        for object in &mut self.map.objects {
-            let begin = object.contacts.first().map_or(0, Contact::time_us);
-            let tie = survey.tie(begin, knots);
-            object.displace(|p| survey.displacement(p, &tie));
-        }
-        for point in self.tracker.path_mut() {
-            let tie = survey.tie(point.time_us, knots);
-            point.pose = survey.place(point.pose, &tie);
-        }
-        let now = survey.take_pose(self.tracker.pose());
-        self.tracker.settle(now);
-        self.rest.pose = now;
-        self.tracker.set_bias(self.tracker.bias() - survey.take_bias());
-        survey.rebase();
-    }
-
-    /// Lets the smooth walls of `outline` straighten the lap; true when there are any.
-    fn straighten(&mut self, outline: &Ring) -> bool {
-        let knots = self.survey.knots();
-        if !smooth(&mut self.survey, knots, outline, &self.map.contacts) {
-            return false;
-        }
-        for contact in &mut self.map.contacts {
-            let tie = self.survey.tie(contact.time_us(), knots);
-            contact.point += self.survey.displacement(contact.point, &tie);
-            contact.from += self.survey.displacement(contact.from, &tie);
-        }
-        self.settle();
-        true
-    }
-
-    fn shape(&mut self, out: &mut Vec<Output>) {
-        let reach = self.settings.chassis.reach();
-        let fitted = shape::outline(&self.map.contacts, reach).and_then(|outline| {
-            if self.straighten(&outline) {
-                shape::outline(&self.map.contacts, reach)
-            } else {
-                Ok(outline)
-            }
-        });
-        let outline = match fitted {
-            Ok(outline) => outline,
-            Err(why) => return self.fail(why, out),
-        };
-        let outline = self.set_apart(outline, out);
-        let shape = shape::identify(outline, &self.map.contacts);
-        let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
-        self.map.shape = Some(shape);
-        self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
-        self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);
-        self.phase = Phase::Plan;
-        self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
-        self.task = Task::Plan;
-    }
-
-    /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.
-    fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
-        let gap = self.settings.chassis.passable_gap();
-        let (rest, islands) = shape::islands(outline, &self.map.contacts, gap);
-        for ring in islands {
-            let id = self.map.objects.len() as u32 + 1;
-            let all = std::mem::take(&mut self.map.contacts);
-            let (contacts, walls) =
-                all.into_iter().partition(|c| ring.distance(c.point) < rest.distance(c.point));
-            self.map.contacts = walls;
-            let class = shape::class_of(&ring);
-            let object = MappedObject { id, class, outline: ring, closed: true, contacts };
-            self.map.objects.push(object);
-            self.tell(EventKind::ObjectApart { id }, out);
-        }
-        rest
-    }
-
-    fn make_plan(&mut self, out: &mut Vec<Output>) {
-        let Some(shape) = &self.map.shape else { return };
-        let driven: Vec<Point> = self.tracker.path().iter().map(|p| p.pose.position).collect();
-        let plan = plan::make(&PlanRequest {
-            shape,
-            objects: &self.map.objects,
-            driven: &driven,
-            from: self.tracker.pose().position,
-            settings: &self.settings,
-        });
-        let figures = plan.figures;
-        self.map.plan = Some(plan);
-        let (lines, length, hidden_disc) = (figures.lines, figures.length, figures.hidden_disc);
-        self.tell(EventKind::PlanMade { lines, length, hidden_disc }, out);
-    }
-
-    fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
-        let mut told = Vec::new();
-        let next = tour.next(&mut Scene {
-            tracker: &mut self.tracker,
-            survey: &mut self.survey,
-            rest: self.rest,
-            map: &mut self.map,
-            tell: &mut told,
-        });
-        for kind in told {
-            self.tell(kind, out);
-        }
-        if let Some(ask) = next {
-            self.task = Task::Tour(tour);
-            self.order(&ask, out);
-        } else {
-            tour.publish(&self.survey, &mut self.map);
-            self.refine();
-            self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
-            self.outcome = Outcome::Complete;
-            self.tell(EventKind::Complete, out);
-        }
-    }
-
-    /// Fits the outline once more, to contacts that all the touches of the tour have put right. What
-    /// that makes more ragged than it was is left as it was, only moved.
-    fn refine(&mut self) {
-        let reach = self.settings.chassis.reach();
-        let pieces = self.map.shape.as_ref().map_or(0, |shape| shape.outline.pieces.len());
-        if let Ok(outline) = shape::outline(&self.map.contacts, reach)
-            && outline.pieces.len() <= pieces
-        {
-            self.map.shape = Some(shape::identify(outline, &self.map.contacts));
         }
     }
 }

@@ -8,6 +8,7 @@
 
 mod bearings;
 mod drive;
+mod line;
 mod rounds;
 
 use super::chart::Chart;
@@ -21,9 +22,9 @@ use super::passing::Passing;
 use super::settings::{Contour, Settings};
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
-use crate::geometry::{Point, Pose, Ring, angle};
-use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
-use drive::{Aim, Drive, Purpose, best_chord};
+use crate::geometry::{Point, Pose, Ring};
+use crate::robot::Chassis;
+use drive::{Drive, best_chord};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 
@@ -291,177 +292,6 @@ impl Tour {
         });
         scene.tell.push(EventKind::LineBegan { id, backwards: false });
         Some(Drive::new(id, from, to))
-    }
-
-    fn drive(
-        &mut self,
-        mut drive: Box<Drive>,
-        reason: Option<DoneReason>,
-        scene: &mut Scene<'_>,
-    ) -> Option<Ask> {
-        match reason {
-            Some(DoneReason::Guard { sensor, rising: true }) => {
-                if let Some(seen) =
-                    self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied()
-                {
-                    match self.chart.distance(seen.point) {
-                        (distance, None) if distance < KNOWN => {
-                            scene.tell.push(EventKind::NearBoundary);
-                        }
-                        (distance, Some(_)) if distance < KNOWN => {}
-                        _ => {
-                            let name = self.chassis.sensors[sensor].name.clone();
-                            let bearing = self.chassis.sensors[sensor].angle;
-                            return self.meet(drive, seen, bearing, name, scene);
-                        }
-                    }
-                }
-            }
-            Some(DoneReason::Bumper | DoneReason::Stalled) => {
-                drive.bumps += 1;
-                let seen = self.wall.log().last().copied();
-                if let Some(seen) = seen
-                    && self.chart.distance(seen.point).0 > KNOWN
-                {
-                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
-                }
-                if drive.bumps >= MOST_BUMPS {
-                    self.end_line(
-                        &drive,
-                        LineStatus::Blocked,
-                        Some(LineReason::ObjectOnLine),
-                        scene,
-                    );
-                    return None;
-                }
-                self.doing = Doing::BackingOff(drive);
-                return Some(Ask {
-                    motion: Motion::Move { distance: -0.04, speed: f64::INFINITY },
-                    guard: Guard::default(),
-                    why: "touched something mapped: backing off",
-                });
-            }
-            _ => {}
-        }
-        if drive.way.is_empty() && !self.plan_piece(&mut drive, scene.rest.pose.position) {
-            if drive.purpose == Purpose::Bearings {
-                self.doing = Doing::Choosing;
-                return (!drive.skipped).then(|| self.look_round());
-            }
-            let reached = drive.done > 0.5 * (drive.to - drive.from).norm() || !drive.skipped;
-            if reached && !drive.skipped {
-                self.end_line(&drive, LineStatus::Driven, None, scene);
-            } else {
-                self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
-            }
-            return None;
-        }
-        self.towards(drive, &scene.rest)
-    }
-
-    /// The next motion towards the next way point; none when it was reached.
-    fn towards(&mut self, mut drive: Box<Drive>, rest: &AtRest) -> Option<Ask> {
-        while let Some(&goal) = drive.way.front() {
-            let off = goal - rest.pose.position;
-            let distance = off.norm();
-            if distance > REACHED {
-                let turn = angle::wrap(angle::of(off) - rest.pose.heading);
-                let on_line = drive.aim == Aim::Line;
-                let slack = (0.004 / distance).clamp(0.008, 0.2);
-                let ask = if turn.abs() > slack {
-                    Ask {
-                        motion: Motion::Turn { angle: turn, rate: f64::INFINITY },
-                        guard: Guard::default(),
-                        why: if on_line { "facing along the line" } else { "facing along the way" },
-                    }
-                } else {
-                    Ask {
-                        motion: Motion::Move { distance, speed: f64::INFINITY },
-                        guard: Guard { rise: self.watched(), fall: SwitchSet::EMPTY },
-                        why: if on_line { "driving the line" } else { "on the way to the line" },
-                    }
-                };
-                self.doing = Doing::Driving(drive);
-                return Some(ask);
-            }
-            drive.way.pop_front();
-            if drive.way.is_empty() && drive.aim == Aim::Line {
-                self.driven += drive.piece_end - drive.done;
-                drive.done = drive.piece_end;
-            }
-        }
-        self.doing = Doing::Driving(drive);
-        None
-    }
-
-    /// All switches but those that look back.
-    fn watched(&self) -> SwitchSet {
-        self.chassis
-            .sensors
-            .iter()
-            .enumerate()
-            .fold(SwitchSet::EMPTY, |set, (index, mount)| set.with(index, mount.angle.abs() < 1.8))
-    }
-
-    /// Finds the next free piece of the line, or the way to it; false when the line is done with.
-    fn plan_piece(&mut self, drive: &mut Drive, at: Point) -> bool {
-        let clearance = self.chassis.radius + ROOM;
-        let length = (drive.to - drive.from).norm();
-        let floor = self.floor(at);
-        for _ in 0..40 {
-            let Some((begin, end)) = drive.free_piece(floor, clearance - 0.004) else {
-                if length - drive.done > 0.05 {
-                    drive.skipped = true;
-                }
-                return false;
-            };
-            if begin - drive.done > 0.05 {
-                drive.skipped = true;
-            }
-            let (first, last) = (drive.at(begin), drive.at(end));
-            drive.done = begin;
-            if (first - at).norm() < 2.0 * REACHED {
-                drive.way = VecDeque::from([last]);
-                drive.aim = Aim::Line;
-                drive.piece_end = end;
-                return true;
-            }
-            if let Some(way) = floor.route(at, first, clearance - 0.01) {
-                drive.way = way.into_iter().skip(1).collect();
-                drive.aim = Aim::Way;
-                return true;
-            }
-            drive.skipped = true;
-            drive.done = end + 0.01;
-        }
-        false
-    }
-
-    fn end_line(
-        &mut self,
-        drive: &Drive,
-        status: LineStatus,
-        reason: Option<LineReason>,
-        scene: &mut Scene<'_>,
-    ) {
-        self.doing = Doing::Choosing;
-        if drive.purpose == Purpose::Bearings {
-            return;
-        }
-        self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);
-        let line =
-            scene.map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
-        if let Some(line) = line {
-            finish(line, status, reason);
-        }
-        scene.tell.push(match reason {
-            None => EventKind::LineDriven { id: drive.id },
-            Some(reason) => EventKind::LineEnded { id: drive.id, reason },
-        });
-        if drive.again {
-            // Two-pass contour: the same line the other way, with the object on the same hand.
-            self.queue.push_front((drive.id, !drive.backwards));
-        }
     }
 }
 

@@ -2,9 +2,14 @@
 //! until they are acknowledged, events in order and each once. It is told the time and given bytes;
 //! it says what to write and what was heard. No I/O, no clock.
 
+mod told;
+
+pub use told::{Health, Heard, Identity, Loss};
+
 use super::frame::{Decoder, Item, STOP, seal};
 use super::message::{FromRobot, ToRobot, VERSION};
-use crate::robot::{Chassis, Command, CommandId, SensorMount, Telemetry};
+use crate::robot::{Command, CommandId, Telemetry};
+use told::Introduction;
 
 /// A host that is there says so this often, seconds.
 const PING: f64 = 0.1;
@@ -35,70 +40,6 @@ const EXCHANGE: f64 = 60.0;
 /// Stops are numbered from here: commands never get so far.
 const FIRST_STOP: u32 = 1 << 31;
 
-/// Whether the robot is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Health {
-    /// It has not said yet who it is.
-    Opening,
-    /// It is there.
-    Up,
-    /// Nothing was heard for half a second.
-    Stale,
-    /// It is gone; nothing is sent but the question whether it is back.
-    Lost(Loss),
-}
-
-/// Why a link is lost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Loss {
-    /// Nobody answered when the port was opened.
-    #[error("no answer from the robot: is it switched on, and is the baud rate right?")]
-    NoAnswer,
-    /// It speaks another version of the protocol.
-    #[error("the robot speaks another version of the protocol")]
-    Version,
-    /// Nothing was heard for too long.
-    #[error("nothing heard from the robot for 1.5 s")]
-    Silent,
-    /// A command was not acknowledged.
-    #[error("the robot does not acknowledge commands")]
-    Unacknowledged,
-    /// A motion never ended.
-    #[error("a motion did not end although its time was up")]
-    Endless,
-    /// The port is gone.
-    #[error("the port was closed or unplugged")]
-    Unplugged,
-}
-
-/// Who the robot is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Identity {
-    /// Its name.
-    pub name: String,
-    /// Another one after every start.
-    pub boot: u32,
-    /// Its body with its switches.
-    pub chassis: Chassis,
-}
-
-/// What the host learns from the line.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Heard {
-    /// The robot said who it is, for the first time or again.
-    Hello(Box<Identity>),
-    /// It is another robot than before, or it was started again: ticks count from elsewhere.
-    Rebooted,
-    /// Telemetry, in order and each once.
-    Telemetry(Telemetry),
-    /// The link is better or worse than before.
-    Health(Health),
-    /// A command was refused, in the robot's words.
-    Refused(CommandId, String),
-    /// A command that was not acknowledged before a stop was never begun.
-    NotBegun(CommandId),
-}
-
 /// Something that was sent and has not been acknowledged.
 #[derive(Debug, Clone)]
 struct Pending {
@@ -107,23 +48,6 @@ struct Pending {
     due: f64,
     wait: f64,
     since: f64,
-}
-
-/// Who the robot is, as far as it has said.
-#[derive(Debug, Clone, Default)]
-struct Introduction {
-    hello: Option<(u32, usize, String)>,
-    body: Option<Chassis>,
-    switches: Vec<Option<SensorMount>>,
-}
-
-impl Introduction {
-    fn complete(&self) -> Option<Identity> {
-        let (boot, count, name) = self.hello.clone()?;
-        let sensors: Option<Vec<SensorMount>> =
-            (0..count).map(|index| self.switches.get(index).cloned().flatten()).collect();
-        Some(Identity { name, boot, chassis: Chassis { sensors: sensors?, ..self.body.clone()? } })
-    }
 }
 
 /// The host's end.

@@ -1,0 +1,96 @@
+//! What the robot says, taken in: pose, contacts, how a motion ended. Nothing is decided here.
+
+use super::{AtRest, Mission, Output, Task};
+use crate::geometry::Pose;
+use crate::mapping::event::EventKind;
+use crate::mapping::map::Phase;
+use crate::mapping::survey::Step;
+use crate::robot::{DoneReason, Odometer, Telemetry};
+
+/// What the wheels add on the tour, where one move may be metres long, metres per root metre.
+const WHEEL_SD: f64 = 0.008;
+
+impl Mission {
+    /// Takes one message of the robot.
+    pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Output>) {
+        match input {
+            Telemetry::Report { odometer, switches, bumper } => {
+                self.odometer(odometer);
+                self.closed = *switches;
+                self.bumper = *bumper;
+            }
+            Telemetry::Edge(edge) => {
+                let pose = self.odometer(&edge.odometer);
+                let turning = self.awaited.is_none_or(|awaited| awaited.turning);
+                let travelled = self.tracker.travelled();
+                let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
+                self.closed = self.closed.with(edge.sensor, edge.rising);
+                if let (Task::Tour(tour), Some(seen)) = (&mut self.task, seen)
+                    && let Some(fixed) = tour.fix(&mut self.survey, pose, &seen)
+                {
+                    self.tracker.correct(fixed);
+                }
+            }
+            Telemetry::Done { id, reason, odometer, switches, bumper } => {
+                let pose = self.odometer(odometer);
+                self.closed = *switches;
+                self.bumper = *bumper;
+                if self.awaited.is_some_and(|awaited| awaited.id == *id) {
+                    self.awaited = None;
+                    self.came_to_rest(pose, *reason, odometer.time_us, out);
+                }
+            }
+        }
+    }
+
+    fn came_to_rest(
+        &mut self,
+        pose: Pose,
+        reason: DoneReason,
+        time_us: u64,
+        out: &mut Vec<Output>,
+    ) {
+        self.rest = AtRest { pose, closed: self.closed, reason };
+        match reason {
+            DoneReason::Bumper | DoneReason::Stalled => {
+                self.bumps += 1;
+                let travelled = self.tracker.travelled();
+                if let Some(wall) = self.wall_mut() {
+                    wall.touch(pose, 0.0, travelled, time_us);
+                }
+                self.tell(EventKind::Bumped, out);
+            }
+            DoneReason::TimeLimit | DoneReason::HostSilent => {
+                self.tell(EventKind::Odd { reason }, out);
+            }
+            DoneReason::Complete | DoneReason::Guard { .. } | DoneReason::Stopped => {}
+        }
+    }
+
+    fn odometer(&mut self, odometer: &Odometer) -> Pose {
+        let (before, time) = (self.tracker.pose(), self.tracker.time_us());
+        let rested = self.tracker.rested_us();
+        let spun = self.tracker.spun();
+        let pose = self.tracker.advance(odometer, self.phase);
+        let rested = self.tracker.rested_us() - rested;
+        if let Some((seconds, rate)) = self.tracker.take_drift() {
+            self.survey.rest(seconds, rate);
+            self.tracker.set_bias(self.tracker.bias() - self.survey.take_bias());
+        }
+        if self.phase == Phase::Objects {
+            let passed = odometer.time_us.saturating_sub(time).saturating_sub(rested);
+            let step = Step {
+                from: before,
+                to: pose,
+                seconds: passed as f64 * 1e-6,
+                spun: (spun, self.tracker.spun()),
+            };
+            self.survey.predict(&step, WHEEL_SD);
+        }
+        let (travelled, closed) = (self.tracker.travelled(), self.closed);
+        if let Some(wall) = self.wall_mut() {
+            wall.carve(pose, closed, travelled);
+        }
+        pose
+    }
+}

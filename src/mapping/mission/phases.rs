@@ -1,0 +1,197 @@
+//! What is decided in each phase: whether the boundary is found, what its shape is, which lines to
+//! drive, when the map is done; and how what was mapped moves when the survey learns.
+
+use super::{Mission, Outcome, Output, Task};
+use crate::geometry::{Point, Ring};
+use crate::mapping::adjust::{Adjustment, Overlap};
+use crate::mapping::circuit::Closure;
+use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::map::{Contact, MappedObject, Phase};
+use crate::mapping::plan::{self, PlanRequest};
+use crate::mapping::search::{Next, Search, lap_contacts};
+use crate::mapping::shape;
+use crate::mapping::smooth::smooth;
+use crate::mapping::tour::{Scene, Tour};
+use crate::mapping::wall::{Sighting, Wall};
+
+/// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
+/// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
+const LOPSIDED: f64 = 0.31;
+
+impl Mission {
+    pub(super) fn search(&mut self, mut search: Box<Search>, out: &mut Vec<Output>) {
+        let mut told = Vec::new();
+        let next = search.next(&self.tracker, &self.rest, &mut self.map, &mut told);
+        self.laps = search.laps();
+        for kind in told {
+            self.tell(kind, out);
+        }
+        match next {
+            Next::Go(ask) => {
+                self.task = Task::Search(search);
+                self.order(&ask, out);
+            }
+            Next::Found(closure, overlap) => {
+                self.close_boundary(search.wall(), &closure, &overlap);
+                if self.survey.lopsided().abs() > LOPSIDED {
+                    return self.fail(Failure::WheelsLie, out);
+                }
+                self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
+                self.phase = Phase::Shape;
+                self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);
+                self.task = Task::Shape;
+            }
+            Next::Failed(why) => {
+                self.map.contacts = search
+                    .wall()
+                    .log()
+                    .iter()
+                    .filter(|seen| seen.alive)
+                    .map(Sighting::contact)
+                    .collect();
+                self.fail(why, out);
+            }
+        }
+    }
+
+    /// Takes the misclosure out of the lap, its contacts, the trajectory and the pose, and learns
+    /// the gyro's drift from it.
+    fn close_boundary(&mut self, wall: &Wall, closure: &Closure, overlap: &Overlap) {
+        let adjustment = Adjustment::new(&self.tracker, closure, overlap, 0);
+        self.map.contacts = lap_contacts(wall, closure, &adjustment);
+        self.map.closed = true;
+        self.map.misclosure = Some(overlap.misclosure);
+        self.survey = adjustment.into_survey();
+        self.settle();
+    }
+
+    /// Moves what was mapped before, the trajectory and the pose to where the survey believes them,
+    /// and goes on from there.
+    fn settle(&mut self) {
+        let survey = &mut self.survey;
+        let knots = survey.knots();
+        for object in &mut self.map.objects {
+            let begin = object.contacts.first().map_or(0, Contact::time_us);
+            let tie = survey.tie(begin, knots);
+            object.displace(|p| survey.displacement(p, &tie));
+        }
+        for point in self.tracker.path_mut() {
+            let tie = survey.tie(point.time_us, knots);
+            point.pose = survey.place(point.pose, &tie);
+        }
+        let now = survey.take_pose(self.tracker.pose());
+        self.tracker.settle(now);
+        self.rest.pose = now;
+        self.tracker.set_bias(self.tracker.bias() - survey.take_bias());
+        survey.rebase();
+    }
+
+    /// Lets the smooth walls of `outline` straighten the lap; true when there are any.
+    fn straighten(&mut self, outline: &Ring) -> bool {
+        let knots = self.survey.knots();
+        if !smooth(&mut self.survey, knots, outline, &self.map.contacts) {
+            return false;
+        }
+        for contact in &mut self.map.contacts {
+            let tie = self.survey.tie(contact.time_us(), knots);
+            contact.point += self.survey.displacement(contact.point, &tie);
+            contact.from += self.survey.displacement(contact.from, &tie);
+        }
+        self.settle();
+        true
+    }
+
+    pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
+        let reach = self.settings.chassis.reach();
+        let fitted = shape::outline(&self.map.contacts, reach).and_then(|outline| {
+            if self.straighten(&outline) {
+                shape::outline(&self.map.contacts, reach)
+            } else {
+                Ok(outline)
+            }
+        });
+        let outline = match fitted {
+            Ok(outline) => outline,
+            Err(why) => return self.fail(why, out),
+        };
+        let outline = self.set_apart(outline, out);
+        let shape = shape::identify(outline, &self.map.contacts);
+        let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
+        self.map.shape = Some(shape);
+        self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
+        self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);
+        self.phase = Phase::Plan;
+        self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
+        self.task = Task::Plan;
+    }
+
+    /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.
+    fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
+        let gap = self.settings.chassis.passable_gap();
+        let (rest, islands) = shape::islands(outline, &self.map.contacts, gap);
+        for ring in islands {
+            let id = self.map.objects.len() as u32 + 1;
+            let all = std::mem::take(&mut self.map.contacts);
+            let (contacts, walls) =
+                all.into_iter().partition(|c| ring.distance(c.point) < rest.distance(c.point));
+            self.map.contacts = walls;
+            let class = shape::class_of(&ring);
+            let object = MappedObject { id, class, outline: ring, closed: true, contacts };
+            self.map.objects.push(object);
+            self.tell(EventKind::ObjectApart { id }, out);
+        }
+        rest
+    }
+
+    pub(super) fn make_plan(&mut self, out: &mut Vec<Output>) {
+        let Some(shape) = &self.map.shape else { return };
+        let driven: Vec<Point> = self.tracker.path().iter().map(|p| p.pose.position).collect();
+        let plan = plan::make(&PlanRequest {
+            shape,
+            objects: &self.map.objects,
+            driven: &driven,
+            from: self.tracker.pose().position,
+            settings: &self.settings,
+        });
+        let figures = plan.figures;
+        self.map.plan = Some(plan);
+        let (lines, length, hidden_disc) = (figures.lines, figures.length, figures.hidden_disc);
+        self.tell(EventKind::PlanMade { lines, length, hidden_disc }, out);
+    }
+
+    pub(super) fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
+        let mut told = Vec::new();
+        let next = tour.next(&mut Scene {
+            tracker: &mut self.tracker,
+            survey: &mut self.survey,
+            rest: self.rest,
+            map: &mut self.map,
+            tell: &mut told,
+        });
+        for kind in told {
+            self.tell(kind, out);
+        }
+        if let Some(ask) = next {
+            self.task = Task::Tour(tour);
+            self.order(&ask, out);
+        } else {
+            tour.publish(&self.survey, &mut self.map);
+            self.refine();
+            self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
+            self.outcome = Outcome::Complete;
+            self.tell(EventKind::Complete, out);
+        }
+    }
+
+    /// Fits the outline once more, to contacts that all the touches of the tour have put right. What
+    /// that makes more ragged than it was is left as it was, only moved.
+    fn refine(&mut self) {
+        let reach = self.settings.chassis.reach();
+        let pieces = self.map.shape.as_ref().map_or(0, |shape| shape.outline.pieces.len());
+        if let Ok(outline) = shape::outline(&self.map.contacts, reach)
+            && outline.pieces.len() <= pieces
+        {
+            self.map.shape = Some(shape::identify(outline, &self.map.contacts));
+        }
+    }
+}

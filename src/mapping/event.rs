@@ -1,6 +1,7 @@
 //! What happened and why: the words that the screen, the journal and the tests share.
 
 use super::map::{LineReason, Phase, ShapeClass};
+use crate::geometry::Point;
 use crate::robot::DoneReason;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -165,6 +166,13 @@ pub enum EventKind {
     Bearings {
         /// One standard deviation of its position beside the walls there, metres.
         sd: f64,
+    },
+    /// The tour is over, and more than α may still hide somewhere.
+    StillHidden {
+        /// Diameter of the largest disc, metres.
+        diameter: f64,
+        /// Its centre.
+        at: Point,
     },
     /// Why the next motion was chosen.
     Reason {
@@ -333,6 +341,14 @@ impl fmt::Display for EventKind {
             Self::Bearings { sd } => {
                 write!(f, "position sure to {:.0} mm only: taking bearings in a corner", sd * 1e3)
             }
+            Self::StillHidden { diameter, at } => write!(
+                f,
+                "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2}), where no way \
+                 leads",
+                diameter * 1e3,
+                at.x,
+                at.y
+            ),
             Self::Reason { why } => f.write_str(why),
             Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),
@@ -359,6 +375,7 @@ impl EventKind {
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }
             | Self::ObjectKnown { .. }
+            | Self::StillHidden { .. }
             | Self::Bumped
             | Self::Odd { .. }
             | Self::Alarm { .. }

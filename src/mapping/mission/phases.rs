@@ -18,6 +18,9 @@ use crate::mapping::wall::{Sighting, Wall};
 /// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
 const LOPSIDED: f64 = 0.31;
 
+/// The promise counts as kept when no disc wider than α and this may hide, metres.
+const KEPT: f64 = 0.01;
+
 impl Mission {
     pub(super) fn search(&mut self, mut search: Box<Search>, out: &mut Vec<Output>) {
         let mut told = Vec::new();
@@ -177,6 +180,11 @@ impl Mission {
         } else {
             tour.publish(&self.survey, &mut self.map);
             self.refine();
+            if let (Some(diameter), Some(at)) = (self.map.hidden_disc, self.map.hidden_at)
+                && diameter > self.settings.alpha + KEPT
+            {
+                self.tell(EventKind::StillHidden { diameter, at }, out);
+            }
             self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;
             self.tell(EventKind::Complete, out);

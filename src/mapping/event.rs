@@ -343,8 +343,7 @@ impl fmt::Display for EventKind {
             }
             Self::StillHidden { diameter, at } => write!(
                 f,
-                "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2}), where no way \
-                 leads",
+                "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",
                 diameter * 1e3,
                 at.x,
                 at.y

@@ -196,13 +196,7 @@ impl Mission {
             Task::Tour(tour) => Some(tour.wall()),
             Task::Shape | Task::Plan | Task::Over => None,
         };
-        wall.map_or_else(Vec::new, |wall| {
-            wall.log()
-                .iter()
-                .filter(|seen| seen.alive)
-                .map(super::wall::Sighting::contact)
-                .collect()
-        })
+        wall.map_or_else(Vec::new, Wall::contacts)
     }
 
     /// How much of the phase is done, 0 to 1, where it can be told.

@@ -244,7 +244,7 @@ impl Survey {
     #[must_use]
     pub fn misclosure(&self, early: &Tie, late: &Tie) -> Vector3<f64> {
         let rows = self.relation(early, late);
-        Vector3::from_fn(|k, _| -rows[k].iter().map(|(i, w)| self.mean[*i] * w).sum::<f64>())
+        Vector3::from_fn(|k, _| -self.expected(&rows[k]))
     }
 
     /// Hands out the correction of the pose that has come together.
@@ -265,6 +265,12 @@ impl Survey {
         std::mem::replace(&mut self.mean[BIAS], 0.0)
     }
 
+    /// What the corrections so far make of a row.
+    fn expected(&self, row: &[(usize, f64)]) -> f64 {
+        row.iter().map(|(i, w)| self.mean[*i] * w).sum()
+    }
+
+    /// The variance of a row.
     fn spread(&self, row: &[(usize, f64)]) -> f64 {
         row.iter()
             .map(|(i, v)| row.iter().map(|(j, w)| self.covariance[(*i, *j)] * v * w).sum::<f64>())

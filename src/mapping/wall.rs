@@ -142,6 +142,12 @@ impl Wall {
         &self.log
     }
 
+    /// What of it still holds, as it goes into the map.
+    #[must_use]
+    pub fn contacts(&self) -> Vec<Contact> {
+        self.log.iter().filter(|seen| seen.alive).map(Sighting::contact).collect()
+    }
+
     /// Forgets everything, for a new lap.
     pub fn clear(&mut self) {
         self.log.clear();

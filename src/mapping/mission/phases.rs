@@ -12,7 +12,7 @@ use crate::mapping::search::{Next, Search, lap_contacts};
 use crate::mapping::shape;
 use crate::mapping::smooth::smooth;
 use crate::mapping::tour::{Scene, Tour};
-use crate::mapping::wall::{Sighting, Wall};
+use crate::mapping::wall::Wall;
 
 /// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
 /// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
@@ -45,13 +45,7 @@ impl Mission {
                 self.task = Task::Shape;
             }
             Next::Failed(why) => {
-                self.map.contacts = search
-                    .wall()
-                    .log()
-                    .iter()
-                    .filter(|seen| seen.alive)
-                    .map(Sighting::contact)
-                    .collect();
+                self.map.contacts = search.wall().contacts();
                 self.fail(why, out);
             }
         }

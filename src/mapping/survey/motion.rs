@@ -30,7 +30,7 @@ impl Survey {
     /// Weighs what the wheels say of the heading at the end of `leg` against the gyro.
     fn weigh(&mut self, leg: &Leg) {
         let row = [(WANDER, 1.0), (WHEELS, -leg.length)];
-        let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+        let predicted = self.expected(&row);
         let innovation = leg.off - predicted;
         let least = leg.variance(self.resolution);
         let spread = self.spread(&row) + least;

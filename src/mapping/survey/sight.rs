@@ -7,7 +7,7 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 /// A contact about the surface it lies on, metres: jitter of the switch, fit of the wall.
 const CONTACT_SD: f64 = 0.002;
-/// Nor farther than this, metres.
+/// A contact farther than this from a surface is not of it, metres.
 const FARTHEST: f64 = 0.15;
 /// How far off a surface may be before anything is known of it, metres.
 const SURFACE_SD: f64 = 0.3;
@@ -85,7 +85,7 @@ impl Survey {
                 .zip(vector.iter())
                 .flat_map(|(row, weight)| row.iter().map(move |(k, w)| (*k, w * weight)))
                 .collect();
-            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+            let predicted = self.expected(&row);
             let measured = -vector.dot(right) / value;
             self.update(&row, measured - predicted, 1.0 / value);
         }
@@ -152,7 +152,7 @@ impl Survey {
                 row.extend(weights.into_iter().enumerate().map(|(k, w)| (start + k, w)));
             }
             row.extend(look.surface.into_iter().enumerate().map(|(k, w)| (size + k, -w)));
-            let predicted: f64 = row.iter().map(|(i, w)| self.mean[*i] * w).sum();
+            let predicted = self.expected(&row);
             let innovation = -look.off - predicted;
             let spread = self.spread(&row) + look.variance;
             if innovation * innovation < GATE * GATE * spread {

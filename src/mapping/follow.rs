@@ -46,6 +46,10 @@ impl Side {
     }
 }
 
+/// No move is longer, metres. How far the wheels carry the robot differs from one move to the next;
+/// over many short ones that averages out.
+pub const STRIDE: f64 = 0.5;
+
 /// The next motion, with what ends it and why it was chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ask {

@@ -279,6 +279,8 @@ pub struct Spun {
     pub wheels: f64,
     /// To and fro by the gyro: all turns added up without their sign, radians.
     pub wound: f64,
+    /// The same, each turn to one side squared by itself, square radians.
+    pub squares: f64,
 }
 
 /// One place of the trajectory.

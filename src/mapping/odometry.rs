@@ -31,6 +31,8 @@ pub struct Tracker {
     last: Option<Odometer>,
     travelled: f64,
     spun: Spun,
+    /// The turn under way, radians.
+    turn: f64,
     wheel_base: f64,
     bias: f64,
     /// When the wheels turned last, microseconds.
@@ -64,6 +66,7 @@ impl Tracker {
             last: None,
             travelled: 0.0,
             spun: Spun::default(),
+            turn: 0.0,
             wheel_base: chassis.wheel_base,
             bias: 0.0,
             rolled: 0,
@@ -93,6 +96,10 @@ impl Tracker {
             self.spun.wheels += against as f64 * self.tick / self.wheel_base;
             self.spun.gyro += turned;
             self.spun.wound += turned.abs();
+            // A turn lasts until the robot turns the other way.
+            let turn = if turned * self.turn < 0.0 { turned } else { self.turn + turned };
+            self.spun.squares += turned * (2.0 * turn - turned);
+            self.turn = turn;
             let middle = self.heading + turned / 2.0;
             self.heading += turned;
             self.pose.position += angle::unit(middle) * distance;

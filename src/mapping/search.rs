@@ -4,7 +4,7 @@
 use super::adjust::{Adjustment, Overlap};
 use super::circuit::{Circuit, Closure, Leg};
 use super::event::{EventKind, Failure};
-use super::follow::{Ask, AtRest, Side};
+use super::follow::{STRIDE, Ask, AtRest, Side};
 use super::map::{MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
@@ -202,7 +202,7 @@ impl Search {
         let all =
             (0..self.chassis.sensors.len()).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
         Next::Go(Ask {
-            motion: Motion::Move { distance: 200.0, speed: f64::INFINITY },
+            motion: Motion::Move { distance: STRIDE, speed: f64::INFINITY },
             guard: Guard { rise: all, fall: SwitchSet::EMPTY },
             why: "driving until something is met",
         })

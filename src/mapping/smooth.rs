@@ -129,7 +129,8 @@ mod tests {
             });
             let bend = if k < 80 { 0.0 } else { 0.003 * 0.025 };
             // A swing towards the wall and back, as the follower does: no leg for the wheels.
-            let next = Spun { gyro: spun.gyro + bend, wound: spun.wound + 0.9, ..spun };
+            let (wound, squares) = (spun.wound + 0.9, spun.squares + 0.27);
+            let next = Spun { gyro: spun.gyro + bend, wound, squares, ..spun };
             let to = Pose {
                 position: pose.position + angle::unit(pose.heading) * 0.025,
                 heading: pose.heading + bend,

@@ -21,7 +21,7 @@ pub use leg::Step;
 pub use sight::{Look, Surface};
 
 use crate::geometry::{Point, Pose, Vector, angle, perp};
-use leg::{Grip, Leg};
+use leg::{Grip, Scale};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
@@ -37,14 +37,19 @@ const GATE: f64 = 3.5;
 /// metre.
 const WHEELS_SD: f64 = 10.0;
 
+/// What a turn by the wheels may be off by, as a share of it: wheel base, size of the wheels.
+const TRACK_SD: f64 = 0.01;
+
 /// Rows of the pose, of the gyro's drift and scale, of what the wheels turn by when they should go
-/// straight (per metre), and of what the gyro wandered since the leg began.
+/// straight (per metre), of the share by which they turn too much, and of what all these, and
+/// chance, made the wheels turn more than the gyro since the beginning.
 const POSE: usize = 0;
 const BIAS: usize = 3;
 const SCALE: usize = 4;
 const WHEELS: usize = 5;
-const WANDER: usize = 6;
-const FIRST_KNOT: usize = 7;
+const TRACK: usize = 6;
+const AGAINST: usize = 7;
+const FIRST_KNOT: usize = 8;
 
 /// A place of the survey whose error is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +74,7 @@ pub struct Survey {
     /// Corrections to the nominal survey: of the pose only what was not yet handed out.
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
-    leg: Leg,
+    scale: Scale,
     grip: Grip,
     /// Turn of the wheels for one tick of one of them, radians.
     resolution: f64,
@@ -84,11 +89,12 @@ impl Survey {
         covariance[(BIAS, BIAS)] = BIAS_SD * BIAS_SD;
         covariance[(SCALE, SCALE)] = SCALE_SD * SCALE_SD;
         covariance[(WHEELS, WHEELS)] = WHEELS_SD * WHEELS_SD;
+        covariance[(TRACK, TRACK)] = TRACK_SD * TRACK_SD;
         Self {
             knots: Vec::new(),
             mean: DVector::zeros(FIRST_KNOT),
             covariance,
-            leg: Leg::default(),
+            scale: Scale::default(),
             grip: Grip::default(),
             resolution,
         }

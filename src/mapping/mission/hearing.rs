@@ -7,8 +7,8 @@ use crate::mapping::map::Phase;
 use crate::mapping::survey::Step;
 use crate::robot::{DoneReason, Odometer, Telemetry};
 
-/// What the wheels add on the tour, where one move may be metres long, metres per root metre.
-const WHEEL_SD: f64 = 0.008;
+/// What the wheels add on the tour, metres per root metre.
+const WHEEL_SD: f64 = 0.004;
 
 impl Mission {
     /// Takes one message of the robot.

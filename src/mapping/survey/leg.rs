@@ -1,9 +1,9 @@
-//! What the wheels say of the heading on a stretch without a turn.
+//! What the wheels say of the heading.
 //!
-//! The gyro wanders with time, two encoders with the way: over a long straight drive the wheels are
-//! the better judges of whether the robot has turned, over a turn the gyro is (gyrodometry:
-//! Borenstein and Feng 1996, here weighed instead of switched). How good the wheels are on this
-//! floor is learnt from how well they agree with the gyro.
+//! The gyro wanders with time, two encoders with the way and by a share of each turn: over a straight
+//! drive or a small turn the wheels are the better judges of how far the robot has turned, over a
+//! large turn the gyro is (gyrodometry: Borenstein and Feng 1996, here weighed instead of switched).
+//! How good the wheels are on this floor is learnt from how well they agree with the gyro.
 
 use crate::geometry::{Pose, angle};
 use crate::mapping::map::Spun;
@@ -26,21 +26,23 @@ impl Step {
         (self.to.position - self.from.position).norm()
     }
 
-    /// Whether it belongs to a turn: a bend of less than a metre of radius.
+    /// Metres driven forwards.
+    pub(super) fn ahead(&self) -> f64 {
+        (self.to.position - self.from.position).dot(&self.from.direction())
+    }
+
+    /// Whether there is a turn in it that the gyro is the better judge of.
     fn turns(&self) -> bool {
-        self.wound() > 0.004 + self.length()
+        self.wound() > LARGE
     }
 
     fn wound(&self) -> f64 {
         self.spun.1.wound - self.spun.0.wound
     }
 
-    fn gyro(&self) -> f64 {
-        self.spun.1.gyro - self.spun.0.gyro
-    }
-
-    fn wheels(&self) -> f64 {
-        self.spun.1.wheels - self.spun.0.wheels
+    fn against(&self) -> f64 {
+        let of = |spun: Spun| spun.wheels - spun.gyro;
+        of(self.spun.1) - of(self.spun.0)
     }
 
     /// By how much the believed heading changed, radians.
@@ -49,91 +51,100 @@ impl Step {
     }
 }
 
-/// Shorter stretches say less than one encoder tick does, metres.
-const LEAST_LENGTH: f64 = 0.5;
-/// What a turn of the wheels may be off by, as a share of it: scrub, wheel base.
+/// Turns larger than this are weighed by themselves, radians.
+const LARGE: f64 = 0.2;
+/// Wheels and gyro are weighed at least this often, metres.
+const OFTEN: f64 = 0.4;
+/// What chance adds to a turn of the wheels, as a share of it: scrub.
 const TURN_SHARE: f64 = 0.005;
-const NET_SHARE: f64 = 0.01;
-/// What the wheels are believed to wander before anything is known of the floor, square radians per
-/// metre (0.1 degrees a root metre), and how many metres that belief is worth.
-const WANDER: f64 = 3.0e-6;
-const WORTH: f64 = 10.0;
-/// No floor is believed to be better than this, square radians per metre.
-const LEAST_WANDER: f64 = 1.0e-7;
+/// How much the wheels may wander on a floor, square radians per metre: from 0.02 to 0.6 degrees a
+/// root metre.
+const FLOORS: [f64; 7] = [1.0e-7, 3.0e-7, 1.0e-6, 3.0e-6, 1.0e-5, 3.0e-5, 1.0e-4];
+/// Before anything is known each of them is believed half as much as the one before.
+const RARER: f64 = 0.5;
+/// What is farther off than this, in variances, is a slip, and no wander.
+const SLIP: f64 = 12.0;
 
-/// What was learnt of how the wheels hold the floor.
+/// What was learnt of how the wheels hold the floor: the likelihood of each of [`FLOORS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Grip {
-    /// Weighted metres, and the squares beyond what was expected without any wander.
-    metres: f64,
-    squares: f64,
+    /// Natural logarithms.
+    likelihood: [f64; FLOORS.len()],
 }
 
 impl Default for Grip {
     fn default() -> Self {
-        Self { metres: WORTH, squares: WORTH * WANDER }
+        Self { likelihood: std::array::from_fn(|k| k as f64 * libm::log(RARER)) }
     }
 }
 
 impl Grip {
-    /// Variance of the wheels' heading, square radians per metre.
+    /// Variance of the wheels' heading, square radians per metre: the geometric mean of the floors,
+    /// weighed by how likely they are.
     pub(super) fn wander(self) -> f64 {
-        (self.squares / self.metres).max(LEAST_WANDER)
+        let best = self.likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (mut sum, mut all) = (0.0, 0.0);
+        for (floor, likelihood) in FLOORS.iter().zip(self.likelihood) {
+            let weight = libm::exp(likelihood - best);
+            sum += weight * libm::log(*floor);
+            all += weight;
+        }
+        libm::exp(sum / all)
     }
 
-    /// Learns from a leg of `length` metres that was off by `innovation`, with `spread` (square
-    /// radians) expected had the wheels not wandered at all.
+    /// Learns from `length` metres that were off by `innovation`, with `spread` (square radians)
+    /// expected had the wheels not wandered at all.
     pub(super) fn learn(&mut self, length: f64, innovation: f64, spread: f64) {
-        // A slip is no wander.
-        let square = (innovation * innovation).min(12.0 * (spread + self.wander() * length));
-        // What is itself uncertain by more than the wander says little of it.
-        let weight = (WANDER * length / (spread + WANDER * length)).powi(2);
-        self.metres += weight * length;
-        self.squares += weight * (square - spread);
+        for (floor, likelihood) in FLOORS.iter().zip(&mut self.likelihood) {
+            let variance = spread + floor * length;
+            let square = (innovation * innovation / variance).min(SLIP);
+            *likelihood -= 0.5 * (libm::log(variance) + square);
+        }
     }
 }
 
-/// A stretch without a turn, as it grows.
+/// What has come together since wheels and gyro were weighed last.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Leg {
-    /// Metres.
+pub(super) struct Load {
+    /// By how much the wheels have turned more than the gyro since the beginning, radians.
+    pub(super) against: f64,
+    /// Metres since they were weighed last.
     pub(super) length: f64,
-    /// By how much the wheels turned more than the gyro, radians.
-    pub(super) off: f64,
-    net: f64,
+    /// Turns to and fro since then, squared one by one, square radians.
     squares: f64,
 }
 
-impl Leg {
-    /// Takes the next step; the leg that ended with it, if it was long enough to count.
-    pub(super) fn take(&mut self, step: &Step) -> Option<Self> {
-        if step.turns() {
-            return self.end();
-        }
-        self.length += step.length();
-        self.off += step.wheels() - step.gyro();
-        self.net += step.gyro();
-        self.squares += step.wound().powi(2);
-        None
+impl Load {
+    /// Variance of what the wheels turned, by chance, in the turns, square radians.
+    pub(super) fn scrub(&self) -> f64 {
+        TURN_SHARE * TURN_SHARE * self.squares
+    }
+}
+
+/// Where wheels and gyro are weighed against each other.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Scale {
+    load: Load,
+}
+
+impl Scale {
+    /// What to weigh before `step` is taken: all that came before a large turn.
+    pub(super) fn before(&mut self, step: &Step) -> Option<Load> {
+        (step.turns() && self.load.length > 0.0).then(|| self.empty())
     }
 
-    /// Ends it here.
-    pub(super) fn end(&mut self) -> Option<Self> {
-        Some(std::mem::take(self)).filter(|leg| leg.length > LEAST_LENGTH)
+    /// Takes the next step; what to weigh after it, if it is time to.
+    pub(super) fn take(&mut self, step: &Step) -> Option<Load> {
+        self.load.length += step.length();
+        self.load.against += step.against();
+        self.load.squares += step.spun.1.squares - step.spun.0.squares;
+        (step.turns() || self.load.length > OFTEN).then(|| self.empty())
     }
 
-    /// Whether `step`, just taken, was the first of it.
-    pub(super) fn began_with(&self, step: &Step) -> bool {
-        self.length <= step.length()
-    }
-
-    /// Variance of `off` but for the wander of the wheels and of the gyro, square radians; one tick
-    /// of one wheel is `resolution` radians.
-    pub(super) fn variance(&self, resolution: f64) -> f64 {
-        // Two wheels, at both ends, each rounded to a tick.
-        resolution * resolution / 3.0
-            + TURN_SHARE * TURN_SHARE * self.squares
-            + (NET_SHARE * self.net).powi(2)
+    fn empty(&mut self) -> Load {
+        let load = self.load;
+        self.load = Load { against: load.against, ..Load::default() };
+        load
     }
 }
 
@@ -142,37 +153,43 @@ mod tests {
     use super::*;
 
     fn step(metres: f64, gyro: f64, wheels: f64) -> Step {
-        let spun = (Spun::default(), Spun { gyro, wheels, wound: gyro.abs() });
+        let spun = (Spun::default(), Spun { gyro, wheels, wound: gyro.abs(), squares: gyro * gyro });
         let to = Pose::new(metres, 0.0, gyro);
         Step { from: Pose::new(0.0, 0.0, 0.0), to, seconds: 0.1, spun }
     }
 
     #[test]
-    fn a_leg_ends_with_a_turn_and_counts_when_it_is_long() {
-        let mut leg = Leg::default();
-        for _ in 0..10 {
-            assert!(leg.take(&step(0.02, 0.0, 0.001)).is_none());
-        }
-        assert!(leg.take(&step(0.0, 0.2, 0.2)).is_none(), "0.2 m say nothing");
-        for _ in 0..30 {
-            assert!(leg.take(&step(0.02, 0.0, 0.001)).is_none());
-        }
-        let whole = leg.take(&step(0.0, 0.2, 0.2)).expect("0.6 m");
-        assert!((whole.length - 0.6).abs() < 1e-9 && (whole.off - 0.03).abs() < 1e-9);
-        assert_eq!(leg, Leg::default());
+    fn they_are_weighed_every_so_often_and_about_large_turns() {
+        let mut scale = Scale::default();
+        let straight = step(0.15, 0.0, 0.001);
+        assert!(scale.before(&straight).is_none() && scale.take(&straight).is_none());
+        assert!(scale.take(&straight).is_none(), "0.3 m say little");
+        let third = scale.take(&straight).expect("0.45 m");
+        assert!((third.length - 0.45).abs() < 1e-9 && (third.against - 0.003).abs() < 1e-9);
+        assert!(scale.take(&straight).is_none());
+        let turn = step(0.0, 0.3, 0.31);
+        let before = scale.before(&turn).expect("a large turn comes");
+        assert!((before.length - 0.15).abs() < 1e-9 && (before.against - 0.004).abs() < 1e-9);
+        assert!(before.scrub() < 1e-12);
+        let turned = scale.take(&turn).expect("a large turn");
+        // All since the beginning is told again: rounding to ticks does not add up.
+        assert!(turned.length < 1e-9 && (turned.against - 0.014).abs() < 1e-9);
+        assert!((turned.scrub().sqrt() - 0.3 * TURN_SHARE).abs() < 1e-9);
+        assert!(scale.before(&turn).is_none(), "nothing came together");
     }
 
     #[test]
     fn the_floor_is_judged_by_how_well_wheels_and_gyro_agree() {
         let spread = 1.0e-6;
         let (mut good, mut bad) = (Grip::default(), Grip::default());
+        assert!((1.0e-7..1.0e-6).contains(&good.wander()), "{}", good.wander());
         for k in 0..100 {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
             good.learn(2.0, sign * 0.001, spread);
             bad.learn(2.0, sign * 0.005, spread);
         }
-        assert!(good.wander() < 0.5 * WANDER, "{}", good.wander());
+        assert!(good.wander() < 1.5e-7, "{}", good.wander());
         // 25e-6 in 2 m are 12e-6 a metre.
-        assert!((bad.wander() - 12.0e-6).abs() < 2.0e-6, "{}", bad.wander());
+        assert!((0.9e-5..1.5e-5).contains(&bad.wander()), "{}", bad.wander());
     }
 }

@@ -1,44 +1,44 @@
 //! Driving makes the pose less certain: by the gyro's walk, drift and scale, and by the wheels; less
-//! so on straight stretches, where wheels and gyro are weighed against each other.
+//! so where wheels and gyro can be weighed against each other.
 
-use super::leg::Leg;
-use super::{BIAS, GATE, SCALE, Step, Survey, WANDER, WHEELS};
+use super::leg::Load;
+use super::{AGAINST, BIAS, GATE, SCALE, Step, Survey, TRACK, WHEELS};
 use nalgebra::{Matrix3, Vector3};
 
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
 const HEADING_WALK: f64 = 1.0e-3;
 
+/// A row of the filter that gains by other rows in each step, by how much of each.
+type Gains = [(usize, f64); 4];
+
 impl Survey {
     /// The robot made `step`; the wheels' own error adds `wheel_sd` metres per root metre.
     pub fn predict(&mut self, step: &Step, wheel_sd: f64) {
-        if let Some(leg) = self.leg.take(step) {
-            self.weigh(&leg);
-        }
-        if self.leg.began_with(step) {
-            self.begin_leg();
+        // Before and after a turn: in it the gyro is the better judge, about it the wheels are.
+        if let Some(load) = self.scale.before(step) {
+            self.weigh(&load);
         }
         self.drift(step, wheel_sd);
-    }
-
-    /// Counts what the gyro wanders from here on.
-    fn begin_leg(&mut self) {
-        self.covariance.row_mut(WANDER).fill(0.0);
-        self.covariance.column_mut(WANDER).fill(0.0);
-        self.mean[WANDER] = 0.0;
-    }
-
-    /// Weighs what the wheels say of the heading at the end of `leg` against the gyro.
-    fn weigh(&mut self, leg: &Leg) {
-        let row = [(WANDER, 1.0), (WHEELS, -leg.length)];
-        let predicted = self.expected(&row);
-        let innovation = leg.off - predicted;
-        let least = leg.variance(self.resolution);
-        let spread = self.spread(&row) + least;
-        let variance = least + self.grip.wander() * leg.length;
-        self.grip.learn(leg.length, innovation, spread);
-        if innovation * innovation < GATE * GATE * (spread + variance - least) {
-            self.update(&row, innovation, variance);
+        if let Some(load) = self.scale.take(step) {
+            self.weigh(&load);
         }
+    }
+
+    /// Weighs what the wheels say of the turns since they were weighed last against the gyro.
+    fn weigh(&mut self, load: &Load) {
+        let row = [(AGAINST, 1.0)];
+        // Two wheels, each rounded to a tick.
+        let rounding = self.resolution * self.resolution / 6.0;
+        let innovation = load.against - self.expected(&row);
+        self.covariance[(AGAINST, AGAINST)] += load.scrub();
+        let spread = self.spread(&row) + rounding;
+        let wander = self.grip.wander() * load.length;
+        self.grip.learn(load.length, innovation, spread);
+        let square = innovation * innovation;
+        // A slip says nothing of the heading; what comes after it does again.
+        let slip = if square < GATE * GATE * (spread + wander) { 0.0 } else { square };
+        self.covariance[(AGAINST, AGAINST)] += wander + slip;
+        self.update(&row, innovation, rounding);
     }
 
     /// Spreads the errors over a step.
@@ -51,6 +51,8 @@ impl Survey {
         // Drift over the step turns the heading, and half of it the way.
         let lever = Vector3::new(-moved.y / 2.0, moved.x / 2.0, 1.0);
         let (by_bias, by_scale) = (lever * seconds, lever * turned);
+        let against: Gains =
+            [(WHEELS, -step.ahead()), (TRACK, -turned), (BIAS, seconds), (SCALE, turned)];
         let size = self.mean.len();
         for column in 0..size {
             let old = Vector3::new(
@@ -64,8 +66,8 @@ impl Survey {
             for row in 0..3 {
                 self.covariance[(row, column)] = new[row];
             }
-            self.covariance[(WANDER, column)] += seconds * self.covariance[(BIAS, column)]
-                + turned * self.covariance[(SCALE, column)];
+            let gain: f64 = against.iter().map(|(k, by)| by * self.covariance[(*k, column)]).sum();
+            self.covariance[(AGAINST, column)] += gain;
         }
         for row in 0..size {
             let old = Vector3::new(
@@ -79,8 +81,8 @@ impl Survey {
             for column in 0..3 {
                 self.covariance[(row, column)] = new[column];
             }
-            self.covariance[(row, WANDER)] +=
-                seconds * self.covariance[(row, BIAS)] + turned * self.covariance[(row, SCALE)];
+            let gain: f64 = against.iter().map(|(k, by)| by * self.covariance[(row, *k)]).sum();
+            self.covariance[(row, AGAINST)] += gain;
         }
         let pose = onward * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
             + by_bias * self.mean[BIAS]
@@ -88,12 +90,12 @@ impl Survey {
         for row in 0..3 {
             self.mean[row] = pose[row];
         }
-        self.mean[WANDER] += seconds * self.mean[BIAS] + turned * self.mean[SCALE];
+        self.mean[AGAINST] += self.expected(&against);
         let along = wheel_sd * wheel_sd * moved.norm();
         let walk = HEADING_WALK * HEADING_WALK * seconds;
         self.covariance[(0, 0)] += along;
         self.covariance[(1, 1)] += along;
-        for (row, column) in [(2, 2), (2, WANDER), (WANDER, 2), (WANDER, WANDER)] {
+        for (row, column) in [(2, 2), (2, AGAINST), (AGAINST, 2), (AGAINST, AGAINST)] {
             self.covariance[(row, column)] += walk;
         }
     }

@@ -27,7 +27,8 @@ fn drive(survey: &mut Survey, from: Pose, metres: f64, gyro: f64, wheels: f64) -
 fn turn(survey: &mut Survey, from: Pose) -> Pose {
     let to = Pose { heading: from.heading + angle::PI / 2.0, ..from };
     let wound = angle::PI / 2.0;
-    let spun = (Spun::default(), Spun { gyro: wound, wheels: wound, wound });
+    let squares = wound * wound;
+    let spun = (Spun::default(), Spun { gyro: wound, wheels: wound, wound, squares });
     survey.predict(&Step { from, to, seconds: 0.8, spun }, 0.003);
     to
 }

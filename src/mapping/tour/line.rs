@@ -5,7 +5,7 @@ use super::drive::{Aim, Drive, Purpose};
 use super::{Doing, KNOWN, MOST_BUMPS, REACHED, ROOM, Scene, Tour, finish};
 use crate::geometry::{Point, angle};
 use crate::mapping::event::EventKind;
-use crate::mapping::follow::{Ask, AtRest};
+use crate::mapping::follow::{Ask, AtRest, STRIDE};
 use crate::mapping::map::{LineReason, LineStatus};
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 use std::collections::VecDeque;
@@ -93,6 +93,7 @@ impl Tour {
                         why: if on_line { "facing along the line" } else { "facing along the way" },
                     }
                 } else {
+                    let distance = distance.min(STRIDE);
                     Ask {
                         motion: Motion::Move { distance, speed: f64::INFINITY },
                         guard: Guard { rise: self.watched(), fall: SwitchSet::EMPTY },

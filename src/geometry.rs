@@ -10,6 +10,7 @@ pub mod angle;
 pub mod fit;
 pub mod hull;
 pub mod index;
+pub mod piece;
 pub mod pose;
 pub mod raster;
 pub mod ring;
@@ -17,8 +18,9 @@ pub mod segment;
 pub mod simple;
 pub mod visibility;
 
+pub use piece::Piece;
 pub use pose::Pose;
-pub use ring::{Piece, Ring};
+pub use ring::Ring;
 pub use segment::Segment;
 
 /// A position in metres.

@@ -1,148 +1,7 @@
 //! Closed outlines of straight and circular pieces.
 
-use super::{Point, Vector, angle, cross, perp};
+use super::{Piece, Point, Vector, angle, cross};
 use serde::{Deserialize, Serialize};
-
-/// One piece of an outline, from its start to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
-pub enum Piece {
-    /// A straight piece.
-    Line {
-        /// Where it begins.
-        from: Point,
-        /// Where it ends.
-        to: Point,
-    },
-    /// A circular piece.
-    Arc {
-        /// Centre of the circle.
-        center: Point,
-        /// Radius, metres, positive.
-        radius: f64,
-        /// Direction from the centre to the start, radians.
-        start: f64,
-        /// Angle swept from the start, radians; positive is counter-clockwise.
-        sweep: f64,
-    },
-}
-
-impl Piece {
-    /// Where the piece begins.
-    #[must_use]
-    pub fn from(&self) -> Point {
-        match *self {
-            Self::Line { from, .. } => from,
-            Self::Arc { center, radius, start, .. } => center + angle::unit(start) * radius,
-        }
-    }
-
-    /// Where the piece ends.
-    #[must_use]
-    pub fn to(&self) -> Point {
-        match *self {
-            Self::Line { to, .. } => to,
-            Self::Arc { center, radius, start, sweep } => {
-                center + angle::unit(start + sweep) * radius
-            }
-        }
-    }
-
-    /// Length along the piece, metres.
-    #[must_use]
-    pub fn length(&self) -> f64 {
-        match *self {
-            Self::Line { from, to } => (to - from).norm(),
-            Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
-        }
-    }
-
-    /// The point a share `t` (0 to 1) of the length along the piece.
-    #[must_use]
-    pub fn at(&self, t: f64) -> Point {
-        match *self {
-            Self::Line { from, to } => from + (to - from) * t,
-            Self::Arc { center, radius, start, sweep } => {
-                center + angle::unit(start + sweep * t) * radius
-            }
-        }
-    }
-
-    /// Unit direction of travel a share `t` along the piece; zero for a piece without length.
-    #[must_use]
-    pub fn tangent(&self, t: f64) -> Vector {
-        match *self {
-            Self::Line { from, to } => {
-                (to - from).try_normalize(1e-12).unwrap_or_else(Vector::zeros)
-            }
-            Self::Arc { start, sweep, .. } => {
-                perp(angle::unit(start + sweep * t)) * if sweep < 0.0 { -1.0 } else { 1.0 }
-            }
-        }
-    }
-
-    /// The share of the length (0 to 1) at which the piece comes nearest to `p`.
-    #[must_use]
-    pub fn nearest(&self, p: Point) -> f64 {
-        match *self {
-            Self::Line { from, to } => {
-                let along = to - from;
-                let square = along.norm_squared();
-                if square < 1e-18 { 0.0 } else { ((p - from).dot(&along) / square).clamp(0.0, 1.0) }
-            }
-            Self::Arc { center, start, sweep, .. } => {
-                let toward = angle::of(p - center);
-                let turned = if sweep < 0.0 {
-                    angle::wrap_positive(start - toward)
-                } else {
-                    angle::wrap_positive(toward - start)
-                };
-                let size = sweep.abs();
-                if turned <= size {
-                    turned / size.max(1e-12)
-                } else if turned - size < (angle::TAU - size) / 2.0 {
-                    1.0
-                } else {
-                    0.0
-                }
-            }
-        }
-    }
-
-    /// Distance from `p` to the nearest point of the piece, metres.
-    #[must_use]
-    pub fn distance(&self, p: Point) -> f64 {
-        (self.at(self.nearest(p)) - p).norm()
-    }
-
-    /// The piece run the other way.
-    #[must_use]
-    pub fn reversed(&self) -> Self {
-        match *self {
-            Self::Line { from, to } => Self::Line { from: to, to: from },
-            Self::Arc { center, radius, start, sweep } => {
-                Self::Arc { center, radius, start: angle::wrap(start + sweep), sweep: -sweep }
-            }
-        }
-    }
-
-    /// The circular piece from `from` to `to` with `bulge` = tan(sweep / 4), as in DXF; a straight
-    /// one for a bulge of zero.
-    #[must_use]
-    pub fn with_bulge(from: Point, to: Point, bulge: f64) -> Self {
-        let chord = to - from;
-        let length = chord.norm();
-        if bulge == 0.0 || length == 0.0 {
-            return Self::Line { from, to };
-        }
-        let sweep = 4.0 * angle::atan(bulge);
-        let radius = length / (2.0 * angle::sin(sweep.abs() / 2.0));
-        // The centre lies left of the chord for a counter-clockwise arc below a half turn.
-        let offset = radius * angle::cos(sweep.abs() / 2.0) * bulge.signum();
-        let center = from + chord * 0.5 + perp(chord) * (offset / length);
-        Self::Arc { center, radius, start: angle::of(from - center), sweep }
-    }
-}
 
 /// A closed outline: each piece begins where the one before it ends.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -290,7 +149,7 @@ impl Ring {
             let (from, to) = (corners[k], corners[(k + 1) % count]);
             match piece {
                 Piece::Line { .. } => Piece::Line { from, to },
-                Piece::Arc { sweep, .. } => Piece::with_bulge(from, to, angle::tan(sweep / 4.0)),
+                Piece::Arc { .. } => Piece::with_bulge(from, to, piece.bulge()),
             }
         });
         Self { pieces: pieces.collect() }

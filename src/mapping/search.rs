@@ -4,7 +4,7 @@
 use super::adjust::{Adjustment, Overlap};
 use super::circuit::{Circuit, Closure, Leg};
 use super::event::{EventKind, Failure};
-use super::follow::{STRIDE, Ask, AtRest, Side};
+use super::follow::{Ask, AtRest, STRIDE, Side};
 use super::map::{MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};

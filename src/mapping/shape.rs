@@ -59,6 +59,13 @@ pub fn outline(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
     Ok(ring.counter_clockwise())
 }
 
+/// `outline` without the crossings that corrections of its corners may have made; as it is where they
+/// are more than small loops.
+#[must_use]
+pub fn mended(outline: Ring) -> Ring {
+    assemble::simple(&outline).unwrap_or(outline)
+}
+
 /// The outline with the floor on the left; none when there is no simple one.
 fn fitted(contacts: &[Contact], reach: f64) -> Option<Ring> {
     let ordered = order::along_wall(contacts);

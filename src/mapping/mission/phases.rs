@@ -194,6 +194,9 @@ impl Mission {
             && outline.pieces.len() <= pieces
         {
             self.map.shape = Some(shape::identify(outline, &self.map.contacts));
+        } else if let Some(shape) = &mut self.map.shape {
+            let moved = std::mem::replace(&mut shape.outline, Ring { pieces: Vec::new() });
+            shape.outline = shape::mended(moved);
         }
     }
 }

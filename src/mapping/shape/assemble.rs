@@ -81,6 +81,23 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
     uncrossed(chords(&made).0)
 }
 
+/// A simple ring from `ring`, which corrections of its corners may have made cross itself: loops of a
+/// few centimetres go first, and if that is not enough, the shorter loop at each crossing; none when
+/// those are no small loops.
+pub(super) fn simple(ring: &Ring) -> Option<Ring> {
+    let is_simple = |ring: &Ring| crossings(&chords(ring).0).is_empty();
+    if is_simple(ring) {
+        return Some(ring.clone());
+    }
+    let vertices = ring
+        .pieces
+        .iter()
+        .map(|piece| Vertex { at: piece.from(), bulge: piece.bulge(), run: 0 })
+        .collect();
+    let made = to_ring(&without_small_loops(vertices));
+    if is_simple(&made) { Some(made) } else { uncrossed(chords(&made).0) }
+}
+
 /// One step less freedom for a run; false when it has none left.
 fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
     let next = match freedom[run] {
@@ -285,4 +302,22 @@ fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_that_was_moved_across_its_neighbours_is_cut_off_and_the_rest_stays() {
+        let corners = [(0.0, 0.0), (4.0, 0.0), (4.05, 0.03), (4.0, -0.02), (4.0, 3.0), (0.0, 3.0)];
+        let crossed = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        assert!(!crossings(&crossed.to_points(SAGITTA)).is_empty());
+        let mended = simple(&crossed).expect("a small loop");
+        assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
+        assert!((mended.area() - 12.0).abs() < 0.01, "{}", mended.area());
+        let square =
+            Ring::polygon(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)].map(|(x, y)| Point::new(x, y)));
+        assert_eq!(simple(&square), Some(square));
+    }
 }

@@ -14,6 +14,10 @@ const INNER_SLACK: f64 = 0.25;
 /// How far off an extended run may be at its corner for want of direction, metres.
 const UNCERTAIN: f64 = 0.008;
 
+/// How far a straight run may be drawn out to a corner, as a share of its length: what is less than
+/// this of wall says little of the rest.
+const OF_LENGTH: f64 = 0.8;
+
 /// Where one run ends and the next begins; the same point for a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Joint {
@@ -105,7 +109,8 @@ impl Judge<'_> {
             Model::Line { .. } if count < 3.0 => {
                 (length + 0.01).min(UNCERTAIN * length / (1.5 * self.sigma))
             }
-            Model::Line { .. } => UNCERTAIN * length / (3.5 * self.sigma / count.sqrt()),
+            Model::Line { .. } => (UNCERTAIN * length / (3.5 * self.sigma / count.sqrt()))
+                .min(self.reach.max(OF_LENGTH * length)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Things that stand so near to the wall that the robot could not pass between: it went round them as
 //! part of the wall, and the outline joins them to it by two chords across the gap, which nobody has
 //! touched. Such a thing is an object of its own; that the gap is too narrow to pass does not make
-//! it wall.
+//! it wall. Where the two stand side by side for longer than a corner takes, they are one obstacle.
 
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring};
@@ -17,7 +17,12 @@ const SHORTEST: f64 = 0.22;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres.
-const NECK: f64 = 0.15;
+const NECK: f64 = 0.1;
+/// What runs along the wall, too near to pass, for longer than this stays part of it, metres.
+const LONGEST_NECK: f64 = 0.17;
+/// The gap counts as too near to pass when it is narrower than the narrowest passable one by this,
+/// metres.
+const SURE: f64 = 0.04;
 /// Nothing smaller than this is cut off, square metres.
 const SMALLEST: f64 = 8e-4;
 /// Nothing larger than this share of the room is cut off.
@@ -67,7 +72,25 @@ fn cut(outline: &Ring, touched: &[Point], widest: f64) -> Option<(Ring, Ring)> {
         .iter()
         .enumerate()
         .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]));
-    pairs.find_map(|(i, k)| split(outline, i, k))
+    pairs.find_map(|(i, k)| {
+        split(outline, i, k)
+            .filter(|(rest, island)| beside(island, rest, widest - SURE) < LONGEST_NECK)
+    })
+}
+
+/// Metres of `island` that lie nearer to `rest` than `gap`.
+fn beside(island: &Ring, rest: &Ring, gap: f64) -> f64 {
+    let pace = 0.005;
+    let near = |piece: &Piece| {
+        let steps = (piece.length() / pace).ceil().max(1.0);
+        let share = piece.length() / steps;
+        (0..steps as u32)
+            .map(|k| piece.at((f64::from(k) + 0.5) / steps))
+            .filter(|p| rest.distance(*p) < gap)
+            .count() as f64
+            * share
+    };
+    island.pieces.iter().map(near).sum()
 }
 
 /// The outline cut at the chords `i` and `k`: what lies between them on the way from `i` to `k` is the
@@ -154,42 +177,45 @@ mod tests {
         }
     }
 
-    /// A room of 4 x 3 m with a box of 0.4 m that stands 0.25 m off the lower wall, joined to it at
-    /// x = 2.0 by a neck 0.04 m wide.
+    /// A room of 4 x 3 m with a box of 0.4 m that stands on its corner 0.28 m off the lower wall,
+    /// joined to it at x = 2.0 by a neck 0.04 m wide.
     fn room() -> Ring {
-        let corners = [
-            (0.0, 0.0),
-            (2.0, 0.0),
-            (2.0, 0.25),
-            (1.8, 0.25),
-            (1.8, 0.65),
-            (2.2, 0.65),
-            (2.2, 0.25),
-            (2.04, 0.25),
-            (2.04, 0.0),
-            (4.0, 0.0),
-            (4.0, 3.0),
-            (0.0, 3.0),
-        ];
-        Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)))
+        joined(&[(1.74, 0.54), (2.02, 0.82), (2.3, 0.54)], 0.28)
+    }
+
+    /// The same room with another thing that the neck, `gap` metres long, leads to.
+    fn joined(thing: &[(f64, f64)], gap: f64) -> Ring {
+        let mut corners = vec![(0.0, 0.0), (2.0, 0.0), (2.0, gap)];
+        corners.extend(thing);
+        corners.extend([(2.04, gap), (2.04, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]);
+        let points: Vec<Point> = corners.into_iter().map(|(x, y)| Point::new(x, y)).collect();
+        Ring::polygon(&points)
     }
 
     #[test]
     fn a_box_behind_a_gap_is_cut_off() {
-        let (rest, found) = islands(room(), &[contact(1.0, 0.0), contact(1.8, 0.4)], 0.34);
+        let (rest, found) = islands(room(), &[contact(1.0, 0.0), contact(1.74, 0.54)], 0.34);
         assert_eq!(found.len(), 1);
-        assert!((found[0].area() - 0.16).abs() < 1e-9, "{}", found[0].area());
+        assert!((found[0].area() - 0.1564).abs() < 1e-9, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
     }
 
     #[test]
+    fn a_box_whose_side_runs_along_the_wall_is_one_obstacle_with_it() {
+        let side_on = joined(&[(1.8, 0.28), (1.8, 0.68), (2.2, 0.68), (2.2, 0.28)], 0.28);
+        let (rest, found) = islands(side_on.clone(), &[contact(1.0, 0.0)], 0.34);
+        assert!(found.is_empty());
+        assert_eq!(rest, side_on);
+    }
+
+    #[test]
     fn a_box_gone_round_twice_is_cut_off_once() {
-        let mut corners: Vec<Point> = room().pieces.iter().map(Piece::from).collect();
-        let again = [(1.81, 0.26), (1.79, 0.64), (2.21, 0.66), (2.19, 0.24)];
-        corners.splice(7..7, again.map(|(x, y)| Point::new(x, y)));
-        let (rest, found) = islands(Ring::polygon(&corners), &[contact(1.0, 0.0)], 0.34);
+        let again = [(1.74, 0.54), (2.02, 0.82), (2.3, 0.54), (2.03, 0.29)];
+        let once = [(1.75, 0.54), (2.02, 0.81), (2.29, 0.54)];
+        let twice: Vec<(f64, f64)> = again.into_iter().chain(once).collect();
+        let (rest, found) = islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], 0.34);
         assert_eq!(found.len(), 1);
-        assert!((found[0].area() - 0.16).abs() < 0.01, "{}", found[0].area());
+        assert!((found[0].area() - 0.15).abs() < 0.01, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
     }
 

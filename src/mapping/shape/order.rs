@@ -16,6 +16,16 @@ const SIDE: f64 = 0.4;
 /// How much wall at most is seen twice at the end of a lap, metres of travel.
 const OVERLAP: f64 = 1.6;
 
+/// Walls on both hands nearer to each other than this make a gap too narrow to pass, metres; each is
+/// no farther from the robot than `ARM`.
+const GAP: f64 = 0.32;
+const ARM: f64 = 0.18;
+/// A visit to a pocket ends as near as this to where it began, metres, ...
+const MOUTH: f64 = 0.06;
+/// ... after so much of the way at least, and at most, metres: behind a long one there is a room.
+const SHORTEST_VISIT: f64 = 0.25;
+const LONGEST_VISIT: f64 = 2.5;
+
 /// Contacts in order along the wall, floor on the left of the way; the last adjoins the first.
 /// Edge contacts are put where they fit best between the others.
 pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
@@ -25,6 +35,7 @@ pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
     let (edges, mut surface): (Vec<Contact>, Vec<Contact>) =
         contacts.iter().filter(usable).copied().partition(|c| c.kind == ContactKind::Edge);
     surface.truncate(end_of_lap(&surface));
+    let mut surface = without_pockets(&surface);
     shorten(&mut surface);
     let half = surface.len() / 2;
     surface.rotate_left(half);
@@ -34,6 +45,46 @@ pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
     }
     insert_edges(&mut surface, &edges);
     surface
+}
+
+/// Without what was seen in pockets: where the robot squeezed into a gap too narrow to pass, went to
+/// and fro in it and came out again, the way through all it saw there would be a tangle. What is left
+/// is the two sides of the mouth.
+fn without_pockets(contacts: &[Contact]) -> Vec<Contact> {
+    let narrow: Vec<bool> = (0..contacts.len()).map(|k| is_narrow(contacts, k)).collect();
+    let mut travelled = 0.0;
+    let way: Vec<f64> = (0..contacts.len())
+        .map(|k| {
+            travelled += (contacts[k].from - contacts[k.saturating_sub(1)].from).norm();
+            travelled
+        })
+        .collect();
+    let mut kept = Vec::with_capacity(contacts.len());
+    let mut k = 0;
+    while k < contacts.len() {
+        kept.push(contacts[k]);
+        let out = || {
+            let back =
+                |n: &usize| narrow[*n] && (contacts[*n].from - contacts[k].from).norm() < MOUTH;
+            let last = (k + 1..contacts.len()).take_while(|n| way[*n] - way[k] < LONGEST_VISIT);
+            last.filter(back).last().filter(|n| way[*n] - way[k] > SHORTEST_VISIT)
+        };
+        k = if narrow[k] { out().unwrap_or(k + 1) } else { k + 1 };
+    }
+    kept
+}
+
+/// Whether the robot, where it saw contact `index`, had wall on both hands, nearer to each other than
+/// it can pass.
+fn is_narrow(contacts: &[Contact], index: usize) -> bool {
+    let seen = contacts[index];
+    let here = seen.point - seen.from;
+    contacts.iter().any(|other| {
+        let there = other.point - seen.from;
+        there.norm() < ARM
+            && (other.point - seen.point).norm() < GAP
+            && here.dot(&there) < -0.5 * here.norm() * there.norm()
+    })
 }
 
 /// How many contacts belong to the first time round: where the tail comes nearest to the first

@@ -153,7 +153,8 @@ mod tests {
     use super::*;
 
     fn step(metres: f64, gyro: f64, wheels: f64) -> Step {
-        let spun = (Spun::default(), Spun { gyro, wheels, wound: gyro.abs(), squares: gyro * gyro });
+        let spun =
+            (Spun::default(), Spun { gyro, wheels, wound: gyro.abs(), squares: gyro * gyro });
         let to = Pose::new(metres, 0.0, gyro);
         Step { from: Pose::new(0.0, 0.0, 0.0), to, seconds: 0.1, spun }
     }

@@ -19,7 +19,7 @@ const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres.
 const NECK: f64 = 0.1;
 /// What runs along the wall, too near to pass, for longer than this stays part of it, metres.
-const LONGEST_NECK: f64 = 0.17;
+const LONGEST_NECK: f64 = 0.2;
 /// The gap counts as too near to pass when it is narrower than the narrowest passable one by this,
 /// metres.
 const SURE: f64 = 0.04;

@@ -55,10 +55,14 @@ impl Pattern {
 #[derive(Debug, Clone)]
 pub struct Canvas {
     view: Viewport,
+    /// Dots to a metre, and where the map frame's origin falls, in dots: [`Viewport::to_dots`] without
+    /// its divisions.
+    dense: f64,
+    origin: (f64, f64),
     width: i32,
     height: i32,
-    dots: Vec<u8>,
-    roles: Vec<Role>,
+    /// The dots of each cell, and the role it is shown in.
+    cells: Vec<(u8, Role)>,
 }
 
 impl Canvas {
@@ -66,12 +70,14 @@ impl Canvas {
     #[must_use]
     pub fn new(view: Viewport) -> Self {
         let cells = usize::from(view.cols) * usize::from(view.rows);
+        let dense = 1.0 / view.scale;
         Self {
             view,
+            dense,
+            origin: view.to_dots(Point::origin()),
             width: i32::from(view.cols) * i32::from(DOTS_X),
             height: i32::from(view.rows) * i32::from(DOTS_Y),
-            dots: vec![0; cells],
-            roles: vec![Role::Text; cells],
+            cells: vec![(0, Role::Text); cells],
         }
     }
 
@@ -81,16 +87,20 @@ impl Canvas {
         &self.view
     }
 
+    fn dots_of(&self, p: Point) -> (f64, f64) {
+        (self.origin.0 + p.x * self.dense, self.origin.1 - p.y * self.dense)
+    }
+
     /// Sets the dot that shows `p`, if it is in view.
     pub fn point(&mut self, p: Point, role: Role) {
-        let (x, y) = self.view.to_dots(p);
+        let (x, y) = self.dots_of(p);
         self.dot_at(x, y, role);
     }
 
     /// A straight line from `a` to `b`. The pattern is counted from `a`, in view or not, so it
     /// stands still when the view moves along the line.
     pub fn line(&mut self, a: Point, b: Point, role: Role, pattern: Pattern) {
-        self.segment(self.view.to_dots(a), self.view.to_dots(b), role, pattern);
+        self.segment(self.dots_of(a), self.dots_of(b), role, pattern);
     }
 
     /// Lines from each point to the next. Points that fall on the dot of the one before are
@@ -98,7 +108,7 @@ impl Canvas {
     pub fn polyline(&mut self, points: impl IntoIterator<Item = Point>, role: Role) {
         let mut last: Option<((f64, f64), (i32, i32))> = None;
         for p in points {
-            let here = self.view.to_dots(p);
+            let here = self.dots_of(p);
             let dot = (whole(here.0), whole(here.1));
             if let Some((before, old)) = last {
                 let apart = (dot.0.abs_diff(old.0)).max(dot.1.abs_diff(old.1));
@@ -157,7 +167,7 @@ impl Canvas {
     pub fn is_free(&self, col: u16, row: u16) -> bool {
         col < self.view.cols
             && row < self.view.rows
-            && self.dots[usize::from(row) * usize::from(self.view.cols) + usize::from(col)] == 0
+            && self.cells[usize::from(row) * usize::from(self.view.cols) + usize::from(col)].0 == 0
     }
 
     /// Writes the cells that have dots to the upper left of `area`.
@@ -166,12 +176,12 @@ impl Canvas {
         for row in 0..area.height.min(self.view.rows) {
             let start = usize::from(row) * usize::from(self.view.cols);
             for col in 0..area.width.min(self.view.cols) {
-                let bits = self.dots[start + usize::from(col)];
+                let (bits, role) = self.cells[start + usize::from(col)];
                 if bits == 0 {
                     continue;
                 }
                 let symbol = char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' ');
-                let style = theme.style(self.roles[start + usize::from(col)]);
+                let style = theme.style(role);
                 buf[(area.x + col, area.y + row)].set_char(symbol).set_style(style);
             }
         }
@@ -189,7 +199,7 @@ impl Canvas {
         radius: f64,
         mut act: impl FnMut(&mut Self, i32, i32),
     ) {
-        let (x, y) = self.view.to_dots(center);
+        let (x, y) = self.dots_of(center);
         let reach = radius / self.view.scale;
         if !(x.is_finite() && y.is_finite() && reach.is_finite()) {
             return;
@@ -249,33 +259,39 @@ impl Canvas {
         (span.0 <= span.1).then_some(span)
     }
 
+    #[inline]
     fn dot_at(&mut self, x: f64, y: f64, role: Role) {
         if x >= 0.0 && y >= 0.0 {
             self.set(x as i32, y as i32, role);
         }
     }
 
+    #[inline]
     fn place(&self, x: i32, y: i32) -> Option<(usize, u8)> {
-        const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
-        if x < 0 || y < 0 || x >= self.width || y >= self.height {
+        const BITS: [u8; 8] = [0x01, 0x08, 0x02, 0x10, 0x04, 0x20, 0x40, 0x80];
+        // A negative number becomes a large one.
+        let (x, y) = (x as u32, y as u32);
+        if x >= self.width as u32 || y >= self.height as u32 {
             return None;
         }
-        let cell = (y as usize / 4) * usize::from(self.view.cols) + x as usize / 2;
-        Some((cell, BITS[y as usize % 4][x as usize % 2]))
+        let cell = (y / 4) as usize * usize::from(self.view.cols) + (x / 2) as usize;
+        Some((cell, BITS[(y % 4 * 2 + x % 2) as usize]))
     }
 
+    #[inline]
     fn set(&mut self, x: i32, y: i32, role: Role) {
         if let Some((cell, bit)) = self.place(x, y) {
-            if self.dots[cell] == 0 || role > self.roles[cell] {
-                self.roles[cell] = role;
+            let (dots, shown) = &mut self.cells[cell];
+            if *dots == 0 || role > *shown {
+                *shown = role;
             }
-            self.dots[cell] |= bit;
+            *dots |= bit;
         }
     }
 
     fn clear(&mut self, x: i32, y: i32) {
         if let Some((cell, bit)) = self.place(x, y) {
-            self.dots[cell] &= !bit;
+            self.cells[cell].0 &= !bit;
         }
     }
 }
@@ -319,10 +335,10 @@ mod tests {
         canvas.point(Point::new(0.5, 0.5), Role::Wall);
         canvas.point(Point::new(1.5, 3.5), Role::Trajectory);
         assert_eq!(picture(&canvas), "⡈\n");
-        assert_eq!(canvas.roles[0], Role::Wall, "the wall must keep the cell");
+        assert_eq!(canvas.cells[0].1, Role::Wall, "the wall must keep the cell");
         canvas.clear_disc(Point::new(1.0, 2.0), 5.0);
         canvas.point(Point::new(0.5, 0.5), Role::Trajectory);
-        assert_eq!(canvas.roles[0], Role::Trajectory, "a cleared cell forgets its role");
+        assert_eq!(canvas.cells[0].1, Role::Trajectory, "a cleared cell forgets its role");
     }
 
     #[test]

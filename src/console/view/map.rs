@@ -14,6 +14,9 @@ use crate::session::snapshot::{Known, RobotView, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
+/// Points of the trajectory are about as far from each other, metres.
+const SPACING: f64 = 0.015;
+
 /// What the camera shows in `area`.
 #[must_use]
 pub fn viewport(camera: &Camera, snapshot: &Snapshot, area: Rect) -> Viewport {
@@ -73,7 +76,10 @@ pub fn draw(
 fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     let map = &snapshot.map;
     if layers.trajectory {
-        canvas.polyline(map.path.iter().map(|point| point.pose.position), Role::Trajectory);
+        // Of points that are nearer to each other than a dot is wide, not all are needed.
+        let stride = (canvas.view().scale / SPACING).clamp(1.0, 16.0) as usize;
+        let way = map.path.iter().step_by(stride).chain(map.path.last());
+        canvas.polyline(way.map(|point| point.pose.position), Role::Trajectory);
     }
     if layers.plan
         && let Some(plan) = &map.plan

@@ -11,8 +11,8 @@
 //! 3. `mapping`: the core, without I/O or clock. `mission` is the run as one state machine;
 //!    `odometry` and `survey` (where the robot and the walls are, and how surely); `search` (III.C)
 //!    with `follow`, `ahead`, `wall`, `circuit` and `adjust`; `shape` (III.D), and `smooth`, which lets
-//!    its straight walls straighten the lap; `plan` (III.E) on `floor`; `tour` (III.F) on the `chart`
-//!    of what is mapped.
+//!    its straight walls straighten the lap; `tape`, a length that was measured in the room; `plan`
+//!    (III.E) on `floor`; `tour` (III.F) on the `chart` of what is mapped.
 //! 4. `safety`: the one gate for commands. `session`: core, gate and operator's word together, the
 //!    snapshot that the screen reads, and the replay of a record.
 //! 5. `wire`: what host and robot say to each other. `simulator`, `firmware`, `link`: the simulated

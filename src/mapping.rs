@@ -18,5 +18,6 @@ pub mod settings;
 pub mod shape;
 pub mod smooth;
 pub mod survey;
+pub mod tape;
 pub mod tour;
 pub mod wall;

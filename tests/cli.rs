@@ -77,8 +77,15 @@ fn what_is_missing_is_named() {
 #[test]
 fn what_this_version_does_not_have_is_said_plainly() {
     let none = "is not in this version";
-    refused(&["run", "--world", "a", "--out", "x", "--tape", "0,0:1,0=1"], &["--tape", none]);
     refused(&["export", "a", "--format", "ros", "--out", "b"], &["ros", none]);
+}
+
+#[test]
+fn a_taped_length_that_is_none_is_refused() {
+    let run = ["run", "--world", "a", "--out", "x", "--tape"];
+    for bad in ["5.02", "0,0:1,0", "0,0:1,0=-3", "0,0:1,0=far"] {
+        refused(&[run.as_slice(), &[bad]].concat(), &["--tape"]);
+    }
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn set(
         "noise" => fill(&mut flags.noise, values::named_noise(text)?),
         "seed" => fill(&mut flags.seed, values::seed(text)?),
         "start" => fill(&mut flags.start, values::start(text)?),
-        "tape" => fill(&mut flags.tape, words),
+        "tape" => fill(&mut flags.tape, values::tape(text)?),
         "chassis" => fill(&mut flags.chassis, path()),
         "out" => fill(&mut flags.out, path()),
         "resume" => fill(&mut flags.resume, path()),

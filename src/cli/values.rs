@@ -1,9 +1,10 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
 use super::{ArgumentError, chassis, config};
-use crate::geometry::{Pose, angle};
+use crate::geometry::{Point, Pose, angle};
 use crate::mapping::map::Phase;
 use crate::mapping::settings::{Contour, Settings, Strategy};
+use crate::mapping::tape::Tape;
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;
 use clap::Args;
@@ -33,8 +34,8 @@ pub struct Common {
     #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
     pub start: Option<Pose>,
     /// A taped length between two points, metres
-    #[arg(long, value_name = "X,Y:X,Y=M", allow_hyphen_values = true)]
-    pub tape: Option<String>,
+    #[arg(long, value_name = "X,Y:X,Y=M", value_parser = tape, allow_hyphen_values = true)]
+    pub tape: Option<Tape>,
     /// The robot's body, in TOML
     #[arg(long, value_name = "FILE")]
     pub chassis: Option<PathBuf>,
@@ -69,9 +70,6 @@ impl Common {
             Some(path) => config::read(&path, &mut self)?,
             None => config::Places::default(),
         };
-        if self.tape.is_some() {
-            return Err(ArgumentError::absent("--tape", "a taped length cannot scale the map yet"));
-        }
         Ok((self, places))
     }
 
@@ -90,6 +88,7 @@ impl Common {
         settings.strategy = self.plan.unwrap_or(settings.strategy);
         settings.contour = self.contour.unwrap_or(settings.contour);
         settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.tape = self.tape;
         settings.chassis = body;
         settings
     }
@@ -128,6 +127,25 @@ pub(super) fn start(text: &str) -> Result<Pose, String> {
     };
     let heading = angle::wrap(number(degrees)?.to_radians());
     Ok(Pose::new(number(x)?, number(y)?, heading))
+}
+
+/// A taped length: two places in metres, and what the tape said.
+pub(super) fn tape(text: &str) -> Result<Tape, String> {
+    let wrong = || {
+        "a taped length is X,Y:X,Y=M: two corners or walls, and the metres between them, such as \
+         0,0:5,0=5.02"
+            .to_owned()
+    };
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+        Ok::<_, String>(Point::new(number(x)?, number(y)?))
+    };
+    let (ends, length) = text.split_once('=').ok_or_else(wrong)?;
+    let (from, to) = ends.split_once(':').ok_or_else(wrong)?;
+    match number(length)? {
+        length if length < 0.2 => Err("a taped length is 0.2 m at least".to_owned()),
+        length => Ok(Tape { from: point(from)?, to: point(to)?, length }),
+    }
 }
 
 /// A frame size such as 80x24.
@@ -234,6 +252,17 @@ mod tests {
         assert_eq!((pose.position.x, pose.position.y), (0.5, -1.0));
         for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
             assert!(start(bad).is_err(), "start of `{bad}` was taken");
+        }
+    }
+
+    #[test]
+    fn a_taped_length_has_two_ends_and_metres() {
+        let taped = tape("0,0:-5,0.5=5.02").expect("a tape");
+        assert_eq!((taped.to, taped.length), (Point::new(-5.0, 0.5), 5.02));
+        for bad in
+            ["", "5", "0,0=5", "0,0:1,1", "0,0:1=2", "0,0:1,1=x", "0,0:1,1=0.1", "0,0:1,1=-2"]
+        {
+            assert!(tape(bad).is_err(), "tape of `{bad}` was taken");
         }
     }
 

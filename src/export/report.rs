@@ -54,6 +54,17 @@ struct Boundary {
     /// Closed laps, those round objects met in the search included.
     laps: u32,
     misclosure: Option<MisclosureFigures>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    taped: Option<TapedFigures>,
+}
+
+/// What a taped length made of the map.
+#[derive(Serialize)]
+struct TapedFigures {
+    mapped_m: f64,
+    taped_m: f64,
+    /// Real over believed travel of the wheels.
+    stretch: f64,
 }
 
 #[derive(Serialize)]
@@ -154,6 +165,11 @@ fn outline(record: &RunRecord<'_>) -> Option<Boundary> {
         area_m2: rounded(ring.area().abs(), 4),
         laps: record.laps,
         misclosure: record.map.misclosure.as_ref().map(misclosure),
+        taped: record.map.taped.map(|taped| TapedFigures {
+            mapped_m: rounded(taped.mapped, 4),
+            taped_m: taped.taped,
+            stretch: rounded(taped.stretch, 6),
+        }),
     })
 }
 

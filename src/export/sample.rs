@@ -88,6 +88,7 @@ pub(crate) fn room() -> Sample {
         path,
         hidden_disc: Some(0.21),
         hidden_at: None,
+        taped: None,
     };
     Sample { map, settings, truth }
 }

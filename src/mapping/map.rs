@@ -2,6 +2,7 @@
 //! Every phase adds its part; the screen and the exports read it.
 
 use super::settings::Strategy;
+use super::tape::Taped;
 use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
 
@@ -319,4 +320,7 @@ pub struct RoomMap {
     pub hidden_disc: Option<f64>,
     /// Where its centre is.
     pub hidden_at: Option<Point>,
+    /// What a taped length made of the map, if one was given and fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub taped: Option<Taped>,
 }

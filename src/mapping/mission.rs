@@ -257,6 +257,8 @@ impl Mission {
         let (motion, seconds) = match ask.motion {
             Motion::Move { distance, speed } => {
                 let speed = speed.min(chassis.speed);
+                // In the robot's own metres.
+                let distance = distance / self.tracker.stretched();
                 (Motion::Move { distance, speed }, distance.abs() / speed)
             }
             Motion::Turn { angle, rate } => {

@@ -8,7 +8,7 @@
 //! come from outside through [`Tracker::correct`].
 
 use super::map::{PathPoint, Phase, Spun};
-use crate::geometry::{Pose, angle};
+use crate::geometry::{Point, Pose, angle};
 use crate::robot::{Chassis, Odometer};
 
 /// The wheels must have stood still for this long before the heading is held, microseconds: the body
@@ -25,6 +25,8 @@ const LEAST_APART: f64 = 0.3;
 #[derive(Debug, Clone)]
 pub struct Tracker {
     tick: f64,
+    /// Real over believed travel of the wheels.
+    stretch: f64,
     pose: Pose,
     /// Heading, not wrapped, so that whole turns can be counted, radians.
     heading: f64,
@@ -61,6 +63,7 @@ impl Tracker {
     pub fn new(chassis: &Chassis, start: Pose) -> Self {
         Self {
             tick: chassis.tick,
+            stretch: 1.0,
             pose: start,
             heading: start.heading,
             last: None,
@@ -81,7 +84,7 @@ impl Tracker {
     pub fn advance(&mut self, to: &Odometer, phase: Phase) -> Pose {
         if let Some(last) = self.last {
             let ticks = (to.left_ticks - last.left_ticks) + (to.right_ticks - last.right_ticks);
-            let distance = ticks as f64 * self.tick / 2.0;
+            let distance = ticks as f64 * self.tick * self.stretch / 2.0;
             let passed = to.time_us.saturating_sub(last.time_us);
             let seconds = passed as f64 * 1e-6;
             let mut turned = to.heading - last.heading - self.bias * seconds;
@@ -155,6 +158,25 @@ impl Tracker {
         self.heading += angle::wrap(to.heading - self.heading);
         self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
         self.fixed = Fixed { at: self.travelled, from: self.path.len(), since: self.path.len() };
+    }
+
+    /// The wheels carry the robot `stretch` times as far as was believed: all that was driven, and all
+    /// that will be, is that much longer, `about` staying where it is.
+    pub fn stretch(&mut self, stretch: f64, about: Point) {
+        let onto = |at: Point| about + (at - about) * stretch;
+        for point in &mut self.path {
+            point.pose.position = onto(point.pose.position);
+        }
+        self.pose.position = onto(self.pose.position);
+        self.stretch *= stretch;
+        self.travelled *= stretch;
+        self.fixed.at *= stretch;
+    }
+
+    /// Real over believed travel of the wheels.
+    #[must_use]
+    pub fn stretched(&self) -> f64 {
+        self.stretch
     }
 
     /// By how much one tick of one wheel turns the robot, radians.

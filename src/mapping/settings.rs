@@ -1,5 +1,6 @@
 //! What the operator chooses before a run.
 
+use super::tape::Tape;
 use crate::geometry::Pose;
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,9 @@ pub struct Settings {
     pub seed: u64,
     /// Where the robot stands at the beginning, in the map frame.
     pub start: Pose,
+    /// A length measured by tape, which the map is stretched to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tape: Option<Tape>,
     /// The robot's body.
     pub chassis: Chassis,
 }
@@ -55,6 +59,7 @@ impl Settings {
             contour: Contour::default(),
             seed: 1,
             start,
+            tape: None,
             chassis: Chassis::default(),
         }
     }

@@ -162,6 +162,15 @@ impl Survey {
         }
     }
 
+    /// All lengths are `stretch` times what they were believed to be, `about` staying where it is.
+    /// What is known of the errors is as good as it was: a taped length corrects what no closure sees.
+    pub fn stretch(&mut self, stretch: f64, about: Point) {
+        for knot in &mut self.knots {
+            knot.at = about + (knot.at - about) * stretch;
+        }
+        self.mean[WHEELS] /= stretch;
+    }
+
     /// By how much the wheels turn, by their own account, where the gyro goes straight: radians per
     /// metre.
     #[must_use]

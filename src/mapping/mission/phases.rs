@@ -11,6 +11,7 @@ use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::search::{Next, Search, lap_contacts};
 use crate::mapping::shape;
 use crate::mapping::smooth::smooth;
+use crate::mapping::tape::Taped;
 use crate::mapping::tour::{Scene, Tour};
 use crate::mapping::wall::Wall;
 
@@ -20,6 +21,9 @@ const LOPSIDED: f64 = 0.31;
 
 /// The promise counts as kept when no disc wider than α and this may hide, metres.
 const KEPT: f64 = 0.01;
+
+/// A taped length is laid on the map at most so often; each time the outline is fitted anew.
+const TAPINGS: u32 = 4;
 
 impl Mission {
     pub(super) fn search(&mut self, mut search: Box<Search>, out: &mut Vec<Output>) {
@@ -98,6 +102,52 @@ impl Mission {
         true
     }
 
+    /// Stretches all that was mapped until the taped length, if there is one, is what the tape said;
+    /// the outline then.
+    fn lay_tape(&mut self, fitted: Ring, out: &mut Vec<Output>) -> Result<Ring, Failure> {
+        let Some(tape) = self.settings.tape else { return Ok(fitted) };
+        let mut outline = fitted;
+        let Some(mapped) = tape.on(&outline) else {
+            self.tell(EventKind::TapeNowhere, out);
+            return Ok(outline);
+        };
+        if tape.stretch(mapped).is_none() {
+            self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
+            return Ok(outline);
+        }
+        for _ in 0..TAPINGS {
+            let Some(stretch) = tape.on(&outline).and_then(|mapped| tape.stretch(mapped)) else {
+                break;
+            };
+            if (stretch - 1.0).abs() < 1e-5 {
+                break;
+            }
+            self.stretch(stretch);
+            outline = shape::outline(&self.map.contacts, self.settings.chassis.reach())?;
+        }
+        let stretch = self.tracker.stretched();
+        self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
+        self.tell(EventKind::TapeLaid { mapped, taped: tape.length, stretch }, out);
+        Ok(outline)
+    }
+
+    /// Stretches the way the robot went, and what it saw from there, away from the start.
+    fn stretch(&mut self, stretch: f64) {
+        let start = self.settings.start.position;
+        let moved = |at: Point| (at - start) * (stretch - 1.0);
+        for contact in &mut self.map.contacts {
+            let by = moved(contact.from);
+            contact.point += by;
+            contact.from += by;
+        }
+        for object in &mut self.map.objects {
+            object.displace(moved);
+        }
+        self.tracker.stretch(stretch, start);
+        self.survey.stretch(stretch, start);
+        self.rest.pose = self.tracker.pose();
+    }
+
     pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
         let reach = self.settings.chassis.reach();
         let fitted = shape::outline(&self.map.contacts, reach).and_then(|outline| {
@@ -107,7 +157,7 @@ impl Mission {
                 Ok(outline)
             }
         });
-        let outline = match fitted {
+        let outline = match fitted.and_then(|outline| self.lay_tape(outline, out)) {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
         };

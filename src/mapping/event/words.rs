@@ -1,0 +1,171 @@
+//! What happened, in the words of the log, and how much it should stand out.
+
+use super::{EventKind, Failure, Severity};
+use crate::mapping::map::{LineReason, Phase, ShapeClass};
+use std::fmt;
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::WallLost => "the wall could not be found again",
+            Self::LapEndless => "the lap goes on without closing",
+            Self::NoBoundary => "no boundary was met in any direction",
+            Self::Boxed => "the robot is held on all sides",
+            Self::OutlineBroken => "the contacts make no simple closed outline",
+            Self::TooManyBumps => "too many bumps in one place",
+            Self::WheelsLie => {
+                "by its wheels the robot goes in curves where by its gyro it goes straight: see to \
+                 the encoders, and to the wheel base of the chassis"
+            }
+            Self::Ended => "ended by the operator",
+        })
+    }
+}
+
+impl fmt::Display for LineReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::AlongBoundary => "runs along the boundary",
+            Self::LeavesArea => "leaves the reachable area",
+            Self::Duplicate => "is in the plan already",
+            Self::NoClearance => "too narrow for the robot",
+            Self::Redundant => "a shorter plan does without it",
+            Self::CoveredByObjects => "covered by known objects",
+            Self::EndOccupied => "an object stands on its end",
+            Self::ObjectOnLine => "an object blocks it",
+            Self::Unreachable => "no way leads there",
+        })
+    }
+}
+
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Boundary => "boundary",
+            Self::Shape => "shape",
+            Self::Plan => "plan",
+            Self::Objects => "objects",
+        })
+    }
+}
+
+impl fmt::Display for ShapeClass {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Circle => "circle",
+            Self::Convex => "convex",
+            Self::Concave => "concave",
+            Self::Complex => "complex",
+        })
+    }
+}
+
+impl fmt::Display for EventKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::PhaseBegan { phase } => write!(f, "{phase} phase begins"),
+            Self::PhaseEnded { phase } => write!(f, "{phase} phase done"),
+            Self::Heading { heading, tried } => {
+                write!(
+                    f,
+                    "looking for a wall towards {:.0}° (try {})",
+                    heading.to_degrees(),
+                    tried + 1
+                )
+            }
+            Self::ContactGained { by } => write!(f, "contact: {by}"),
+            Self::ContactLost => f.write_str("wall lost, looking for it"),
+            Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
+            Self::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),
+            Self::LapClosed { length, extrinsic: false } => {
+                write!(f, "lap closed after {length:.2} m: inside, this is the boundary")
+            }
+            Self::LapClosed { length, extrinsic: true } => {
+                write!(f, "lap closed after {length:.2} m: outside, this is an object")
+            }
+            Self::LapFailed { why } => write!(f, "lap given up: {why}"),
+            Self::ShapeFound { class, vertices, parts } => {
+                write!(f, "shape: {class}, {vertices} vertices, {parts} part(s)")
+            }
+            Self::PlanMade { lines, length, hidden_disc } => write!(
+                f,
+                "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
+                hidden_disc * 1e3
+            ),
+            Self::TapeLaid { mapped, taped, stretch } => write!(
+                f,
+                "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map is {:+.2} % larger",
+                (stretch - 1.0) * 100.0
+            ),
+            Self::TapeRefused { mapped, taped } => write!(
+                f,
+                "taped length not used: {taped:.3} m, but {mapped:.3} m on the map; was it held here?"
+            ),
+            Self::TapeNowhere => f.write_str("taped length not used: no wall near its ends"),
+            Self::LineBegan { id, backwards: false } => write!(f, "line L{id} begins"),
+            Self::LineBegan { id, backwards: true } => write!(f, "line L{id} begins, from its end"),
+            Self::LineDriven { id } => write!(f, "line L{id} driven"),
+            Self::LineEnded { id, reason } => write!(f, "line L{id} ended: {reason}"),
+            Self::ObjectFound { id, by } => write!(f, "unknown object O{id} met ({by})"),
+            Self::ObjectClosed { id } => write!(f, "object O{id} closed"),
+            Self::ObjectHalf { id } => {
+                write!(f, "object O{id} passed on one side; the other follows on the way back")
+            }
+            Self::ObjectKnown { id } => {
+                write!(f, "object O{id} is one known already: the pose was put right by it")
+            }
+            Self::ObjectApart { id } => {
+                write!(f, "object O{id} stands apart: the gap to the wall is too narrow to pass")
+            }
+            Self::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
+            Self::Detour { id } => write!(f, "known object O{id}: going round it"),
+            Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
+            Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
+            Self::Bearings { sd } => {
+                write!(f, "position sure to {:.0} mm only: taking bearings in a corner", sd * 1e3)
+            }
+            Self::StillHidden { diameter, at } => write!(
+                f,
+                "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",
+                diameter * 1e3,
+                at.x,
+                at.y
+            ),
+            Self::Reason { why } => f.write_str(why),
+            Self::Alarm { what } => f.write_str(what),
+            Self::Bumped => f.write_str("bumper"),
+            Self::Odd { reason } => write!(f, "motion ended early: {reason}"),
+            Self::Stopped => f.write_str("stopped: nothing moves until the stop is cleared"),
+            Self::StopCleared => f.write_str("stop cleared"),
+            Self::AlphaSet { alpha } => write!(f, "α set to {alpha:.2} m"),
+            Self::Complete => f.write_str("map complete"),
+            Self::Failed { why } => write!(f, "run ended: {why}"),
+        }
+    }
+}
+
+impl EventKind {
+    /// How much the event should stand out.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Reason { .. } | Self::Fixed { .. } | Self::NearBoundary | Self::Corner { .. } => {
+                Severity::Detail
+            }
+            Self::LapFailed { .. }
+            | Self::ContactLost
+            | Self::LineEnded { .. }
+            | Self::ObjectOpen { .. }
+            | Self::ObjectKnown { .. }
+            | Self::StillHidden { .. }
+            | Self::TapeRefused { .. }
+            | Self::TapeNowhere
+            | Self::Bumped
+            | Self::Odd { .. }
+            | Self::Alarm { .. }
+            | Self::Stopped => Severity::Warning,
+            Self::Failed { .. } => Severity::Fault,
+            _ => Severity::Notice,
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! A taped length takes the wheels' common scale out of a map. The robots are out of the box: their
+//! wheels are off by up to one per cent, which no closed lap shows.
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
+
+use periplus::geometry::Point;
+use periplus::journal::Header;
+use periplus::mapping::map::{Phase, RoomMap};
+use periplus::mapping::settings::Settings;
+use periplus::mapping::tape::Tape;
+use periplus::robot::Intent;
+use periplus::runtime::simulated::SimulatedRun;
+use periplus::simulator::{NoiseProfile, World};
+use std::io::Sink;
+
+const ROOM: &str = include_str!("../sims/rectangle.toml");
+
+/// The map of a room of 5 x 4 m once its boundary is planned for.
+fn mapped(seed: u64, tape: Option<Tape>) -> RoomMap {
+    let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");
+    let header = Header {
+        settings: Settings { seed, tape, ..Settings::new(world.start) },
+        source: world.name.clone(),
+        noise: String::new(),
+        until: None,
+        robot: None,
+    };
+    let mut run: SimulatedRun<Sink> = SimulatedRun::new(&world, header, NoiseProfile::Raw, None);
+    run.intent(Intent::Run);
+    while run.is_under_way() && run.snapshot().phase != Phase::Objects {
+        run.advance();
+    }
+    run.snapshot().map
+}
+
+/// Mapped over true size: the root of the ratio of the areas.
+fn size(map: &RoomMap) -> f64 {
+    let shape = map.shape.as_ref().expect("a shape");
+    (shape.outline.area() / 20.0).sqrt()
+}
+
+fn held(from: (f64, f64), to: (f64, f64), length: f64) -> Tape {
+    Tape { from: Point::new(from.0, from.1), to: Point::new(to.0, to.1), length }
+}
+
+#[test]
+fn the_map_is_as_large_as_the_tape_says() {
+    let (mut raw, mut taped) = (0.0_f64, 0.0_f64);
+    for seed in 1..=4 {
+        let off = |map: &RoomMap| (size(map) - 1.0).powi(2) / 4.0;
+        raw += off(&mapped(seed, None));
+        let map = mapped(seed, Some(held((0.0, 0.0), (5.0, 0.0), 5.0)));
+        let figures = map.taped.expect("a tape that fits");
+        assert!((figures.taped / figures.mapped - figures.stretch).abs() < 2e-3, "{figures:?}");
+        taped += off(&map);
+    }
+    let (raw, taped) = (raw.sqrt(), taped.sqrt());
+    assert!(raw > 0.002, "these robots are out of the box: {raw}");
+    assert!(taped < 0.5 * raw, "{taped} of {raw}");
+}
+
+#[test]
+fn a_tape_held_elsewhere_changes_nothing() {
+    let (plain, odd) = (mapped(1, None), mapped(1, Some(held((0.0, 0.0), (5.0, 0.0), 3.0))));
+    assert_eq!(odd.taped, None);
+    assert_eq!(plain.shape, odd.shape);
+}

@@ -256,3 +256,55 @@ fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
         surface.insert(place + 1, edge);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(from: (f64, f64), point: (f64, f64)) -> Contact {
+        Contact {
+            point: Point::new(point.0, point.1),
+            from: Point::new(from.0, from.1),
+            sensor: Some(2),
+            kind: ContactKind::Range,
+            time: 0.0,
+        }
+    }
+
+    /// Along the wall y = 0 towards a gap at x = 2 that is `gap` wide, 0.6 m up into it, to and fro,
+    /// out again and on along the wall.
+    fn visit(gap: f64) -> Vec<Contact> {
+        let steps =
+            |from: f64, to: f64| (0..12).map(move |k| from + (to - from) * f64::from(k) / 12.0);
+        let (left, right, middle) = (2.0, 2.0 + gap, 2.0 + gap / 2.0);
+        let mut contacts: Vec<Contact> =
+            steps(0.0, 2.0).map(|x| seen((x, -0.145), (x, 0.0))).collect();
+        contacts.extend(steps(0.05, 0.6).map(|y| seen((middle, y), (left, y))));
+        for _ in 0..3 {
+            contacts.extend(steps(0.6, 0.3).map(|y| seen((middle, y), (right, y))));
+            contacts.extend(steps(0.3, 0.6).map(|y| seen((middle, y), (left, y))));
+        }
+        contacts.extend(steps(0.6, 0.05).map(|y| seen((middle, y), (right, y))));
+        contacts.extend(steps(right, 4.0).map(|x| seen((x, -0.145), (x, 0.0))));
+        contacts
+    }
+
+    #[test]
+    fn what_was_seen_in_a_pocket_too_narrow_to_pass_is_left_out() {
+        let all = visit(0.29);
+        let kept = without_pockets(&all);
+        let deep = kept.iter().filter(|c| c.point.y > 0.2).count();
+        assert!(deep < 6, "{deep} of {} are left", kept.len());
+        assert_eq!(
+            kept.iter().filter(|c| c.point.y == 0.0).count(),
+            24,
+            "the wall beside it stays"
+        );
+    }
+
+    #[test]
+    fn what_was_seen_in_a_gap_that_can_be_passed_stays() {
+        let all = visit(0.36);
+        assert_eq!(without_pockets(&all).len(), all.len());
+    }
+}

@@ -9,11 +9,13 @@ use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 use rustix::process::{Signal, kill_current_process_group};
 use std::io::{self, Stdout, stdout};
+use std::mem::ManuallyDrop;
 
 /// The terminal while the console has it.
 pub struct Guard {
-    /// What is drawn to.
-    pub terminal: Terminal<CrosstermBackend<Stdout>>,
+    /// What is drawn to. Never dropped: it would show the cursor once more, and where the terminal has
+    /// gone, its complaint about that would be a panic.
+    pub terminal: ManuallyDrop<Terminal<CrosstermBackend<Stdout>>>,
 }
 
 impl Guard {
@@ -29,7 +31,7 @@ impl Guard {
         }));
         enter()?;
         let terminal = Terminal::new(CrosstermBackend::new(stdout()))?;
-        Ok(Self { terminal })
+        Ok(Self { terminal: ManuallyDrop::new(terminal) })
     }
 
     /// Gives the terminal to the shell, as Ctrl-Z does, and takes it on again when the shell gives it

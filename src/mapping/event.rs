@@ -1,4 +1,5 @@
-//! What happened and why: the words that the screen, the journal and the tests share.
+//! What happened and why, as the screen, the journal and the tests share it. How it is said is in
+//! `words`.
 
 use super::map::{LineReason, Phase, ShapeClass};
 use crate::geometry::Point;

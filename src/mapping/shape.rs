@@ -8,6 +8,7 @@ mod corner;
 mod neck;
 mod object;
 mod order;
+mod pocket;
 mod rectangle;
 mod segment;
 mod split;
@@ -54,7 +55,7 @@ pub(crate) struct Sample {
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
 pub fn outline(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
     let ring = fitted(contacts, reach)
-        .or_else(|| chain::outline(contacts))
+        .or_else(|| chain::outline(contacts, reach))
         .ok_or(Failure::OutlineBroken)?;
     Ok(ring.counter_clockwise())
 }
@@ -68,7 +69,7 @@ pub fn mended(outline: Ring) -> Ring {
 
 /// The outline with the floor on the left; none when there is no simple one.
 fn fitted(contacts: &[Contact], reach: f64) -> Option<Ring> {
-    let ordered = order::along_wall(contacts);
+    let ordered = order::along_wall(contacts, reach);
     let mut samples = samples(&ordered, LEAST_SIGMA);
     if samples.len() < 4 {
         return None;

@@ -11,17 +11,17 @@
 //! Cheeseman 1990) with past poses as landmarks (stochastic cloning, Roumeliotis and Burdick 2002),
 //! on small corrections to a nominal survey: linear but for the residuals.
 
-mod leg;
+mod balance;
 mod motion;
 mod sight;
 #[cfg(test)]
 mod tests;
 
-pub use leg::Step;
+pub use balance::Step;
 pub use sight::{Look, Surface};
 
 use crate::geometry::{Point, Pose, Vector, angle, perp};
-use leg::{Grip, Scale};
+use balance::{Balance, Grip};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
@@ -32,9 +32,8 @@ const SCALE_SD: f64 = 1.0e-3;
 /// How far from a surface a contact may lie and still be of it, in standard deviations.
 const GATE: f64 = 3.5;
 
-/// What the wheels may turn by where the robot goes straight, before anything is known of them: even
-/// one that stands still is to be found out. Radians per
-/// metre.
+/// What the wheels may turn by where the robot goes straight, before anything is known of them, radians
+/// per metre: even one that stands still is to be found out.
 const WHEELS_SD: f64 = 10.0;
 
 /// What a turn by the wheels may be off by, as a share of it: wheel base, size of the wheels.
@@ -74,7 +73,7 @@ pub struct Survey {
     /// Corrections to the nominal survey: of the pose only what was not yet handed out.
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
-    scale: Scale,
+    balance: Balance,
     grip: Grip,
     /// Turn of the wheels for one tick of one of them, radians.
     resolution: f64,
@@ -94,7 +93,7 @@ impl Survey {
             knots: Vec::new(),
             mean: DVector::zeros(FIRST_KNOT),
             covariance,
-            scale: Scale::default(),
+            balance: Balance::default(),
             grip: Grip::default(),
             resolution,
         }

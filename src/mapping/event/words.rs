@@ -94,7 +94,7 @@ impl fmt::Display for EventKind {
             ),
             Self::TapeLaid { mapped, taped, stretch } => write!(
                 f,
-                "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map is {:+.2} % larger",
+                "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map was stretched by {:+.2} %",
                 (stretch - 1.0) * 100.0
             ),
             Self::TapeRefused { mapped, taped } => write!(

@@ -12,9 +12,10 @@ pub(super) const TOLERANCE: f64 = 0.004;
 /// Rounds of untangling at most.
 const ROUNDS: usize = 400;
 
-/// A simple polygon through the contacts; none when there are too few or they cannot be untangled.
-pub(super) fn outline(contacts: &[Contact]) -> Option<Ring> {
-    let mut points: Vec<Point> = order::along_wall(contacts)
+/// A simple polygon through the contacts of a robot whose switches reach `reach` metres from its centre;
+/// none when there are too few or they cannot be untangled.
+pub(super) fn outline(contacts: &[Contact], reach: f64) -> Option<Ring> {
+    let mut points: Vec<Point> = order::along_wall(contacts, reach)
         .iter()
         .filter(|contact| contact.kind != ContactKind::Edge)
         .map(|contact| contact.point)

@@ -33,7 +33,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
     }
     let ring = fitted
         .or_else(|| {
-            super::chain::outline(contacts)
+            super::chain::outline(contacts, REACH)
                 .map(Ring::counter_clockwise)
                 .filter(|ring| passes_contacts(ring, contacts))
         })
@@ -87,7 +87,7 @@ fn hull(contacts: &[Contact]) -> Ring {
 }
 
 fn chain(contacts: &[Contact]) -> Ring {
-    let points: Vec<Point> = order::along_wall(contacts)
+    let points: Vec<Point> = order::along_wall(contacts, REACH)
         .iter()
         .filter(|c| c.kind != ContactKind::Edge)
         .map(|c| c.point)

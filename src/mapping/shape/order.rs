@@ -3,6 +3,7 @@
 //! has left this one. The order wanted is the shortest way through all of them, near to the order
 //! in time. Knows nothing of lines and arcs.
 
+use super::pocket::without_pockets;
 use crate::geometry::{Point, Vector, cross};
 use crate::mapping::map::{Contact, ContactKind};
 
@@ -16,26 +17,17 @@ const SIDE: f64 = 0.4;
 /// How much wall at most is seen twice at the end of a lap, metres of travel.
 const OVERLAP: f64 = 1.6;
 
-/// Walls on both hands nearer to each other than this make a gap too narrow to pass, metres; each is
-/// no farther from the robot than `ARM`.
-const GAP: f64 = 0.32;
-const ARM: f64 = 0.18;
-/// A visit to a pocket ends as near as this to where it began, metres, ...
-const MOUTH: f64 = 0.06;
-/// ... after so much of the way at least, and at most, metres: behind a long one there is a room.
-const SHORTEST_VISIT: f64 = 0.25;
-const LONGEST_VISIT: f64 = 2.5;
-
 /// Contacts in order along the wall, floor on the left of the way; the last adjoins the first.
-/// Edge contacts are put where they fit best between the others.
-pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
+/// Edge contacts are put where they fit best between the others; `reach` is body radius plus range of
+/// the switches, metres.
+pub(super) fn along_wall(contacts: &[Contact], reach: f64) -> Vec<Contact> {
     let usable = |c: &&Contact| {
         c.point.coords.iter().all(|v| v.is_finite()) && c.from.coords.iter().all(|v| v.is_finite())
     };
     let (edges, mut surface): (Vec<Contact>, Vec<Contact>) =
         contacts.iter().filter(usable).copied().partition(|c| c.kind == ContactKind::Edge);
     surface.truncate(end_of_lap(&surface));
-    let mut surface = without_pockets(&surface);
+    let mut surface = without_pockets(&surface, reach);
     shorten(&mut surface);
     let half = surface.len() / 2;
     surface.rotate_left(half);
@@ -45,46 +37,6 @@ pub(super) fn along_wall(contacts: &[Contact]) -> Vec<Contact> {
     }
     insert_edges(&mut surface, &edges);
     surface
-}
-
-/// Without what was seen in pockets: where the robot squeezed into a gap too narrow to pass, went to
-/// and fro in it and came out again, the way through all it saw there would be a tangle. What is left
-/// is the two sides of the mouth.
-fn without_pockets(contacts: &[Contact]) -> Vec<Contact> {
-    let narrow: Vec<bool> = (0..contacts.len()).map(|k| is_narrow(contacts, k)).collect();
-    let mut travelled = 0.0;
-    let way: Vec<f64> = (0..contacts.len())
-        .map(|k| {
-            travelled += (contacts[k].from - contacts[k.saturating_sub(1)].from).norm();
-            travelled
-        })
-        .collect();
-    let mut kept = Vec::with_capacity(contacts.len());
-    let mut k = 0;
-    while k < contacts.len() {
-        kept.push(contacts[k]);
-        let out = || {
-            let back =
-                |n: &usize| narrow[*n] && (contacts[*n].from - contacts[k].from).norm() < MOUTH;
-            let last = (k + 1..contacts.len()).take_while(|n| way[*n] - way[k] < LONGEST_VISIT);
-            last.filter(back).last().filter(|n| way[*n] - way[k] > SHORTEST_VISIT)
-        };
-        k = if narrow[k] { out().unwrap_or(k + 1) } else { k + 1 };
-    }
-    kept
-}
-
-/// Whether the robot, where it saw contact `index`, had wall on both hands, nearer to each other than
-/// it can pass.
-fn is_narrow(contacts: &[Contact], index: usize) -> bool {
-    let seen = contacts[index];
-    let here = seen.point - seen.from;
-    contacts.iter().any(|other| {
-        let there = other.point - seen.from;
-        there.norm() < ARM
-            && (other.point - seen.point).norm() < GAP
-            && here.dot(&there) < -0.5 * here.norm() * there.norm()
-    })
 }
 
 /// How many contacts belong to the first time round: where the tail comes nearest to the first
@@ -254,57 +206,5 @@ fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
     places.sort_by_key(|place| place.0);
     for (place, edge) in places.into_iter().rev() {
         surface.insert(place + 1, edge);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn seen(from: (f64, f64), point: (f64, f64)) -> Contact {
-        Contact {
-            point: Point::new(point.0, point.1),
-            from: Point::new(from.0, from.1),
-            sensor: Some(2),
-            kind: ContactKind::Range,
-            time: 0.0,
-        }
-    }
-
-    /// Along the wall y = 0 towards a gap at x = 2 that is `gap` wide, 0.6 m up into it, to and fro,
-    /// out again and on along the wall.
-    fn visit(gap: f64) -> Vec<Contact> {
-        let steps =
-            |from: f64, to: f64| (0..12).map(move |k| from + (to - from) * f64::from(k) / 12.0);
-        let (left, right, middle) = (2.0, 2.0 + gap, 2.0 + gap / 2.0);
-        let mut contacts: Vec<Contact> =
-            steps(0.0, 2.0).map(|x| seen((x, -0.145), (x, 0.0))).collect();
-        contacts.extend(steps(0.05, 0.6).map(|y| seen((middle, y), (left, y))));
-        for _ in 0..3 {
-            contacts.extend(steps(0.6, 0.3).map(|y| seen((middle, y), (right, y))));
-            contacts.extend(steps(0.3, 0.6).map(|y| seen((middle, y), (left, y))));
-        }
-        contacts.extend(steps(0.6, 0.05).map(|y| seen((middle, y), (right, y))));
-        contacts.extend(steps(right, 4.0).map(|x| seen((x, -0.145), (x, 0.0))));
-        contacts
-    }
-
-    #[test]
-    fn what_was_seen_in_a_pocket_too_narrow_to_pass_is_left_out() {
-        let all = visit(0.29);
-        let kept = without_pockets(&all);
-        let deep = kept.iter().filter(|c| c.point.y > 0.2).count();
-        assert!(deep < 6, "{deep} of {} are left", kept.len());
-        assert_eq!(
-            kept.iter().filter(|c| c.point.y == 0.0).count(),
-            24,
-            "the wall beside it stays"
-        );
-    }
-
-    #[test]
-    fn what_was_seen_in_a_gap_that_can_be_passed_stays() {
-        let all = visit(0.36);
-        assert_eq!(without_pockets(&all).len(), all.len());
     }
 }

@@ -1,7 +1,7 @@
 //! Driving makes the pose less certain: by the gyro's walk, drift and scale, and by the wheels; less
 //! so where wheels and gyro can be weighed against each other.
 
-use super::leg::Load;
+use super::balance::Load;
 use super::{AGAINST, BIAS, GATE, SCALE, Step, Survey, TRACK, WHEELS};
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,11 +15,11 @@ impl Survey {
     /// The robot made `step`; the wheels' own error adds `wheel_sd` metres per root metre.
     pub fn predict(&mut self, step: &Step, wheel_sd: f64) {
         // Before and after a turn: in it the gyro is the better judge, about it the wheels are.
-        if let Some(load) = self.scale.before(step) {
+        if let Some(load) = self.balance.before(step) {
             self.weigh(&load);
         }
         self.drift(step, wheel_sd);
-        if let Some(load) = self.scale.take(step) {
+        if let Some(load) = self.balance.take(step) {
             self.weigh(&load);
         }
     }

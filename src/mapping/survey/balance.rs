@@ -123,11 +123,11 @@ impl Load {
 
 /// Where wheels and gyro are weighed against each other.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Scale {
+pub(super) struct Balance {
     load: Load,
 }
 
-impl Scale {
+impl Balance {
     /// What to weigh before `step` is taken: all that came before a large turn.
     pub(super) fn before(&mut self, step: &Step) -> Option<Load> {
         (step.turns() && self.load.length > 0.0).then(|| self.empty())
@@ -161,22 +161,22 @@ mod tests {
 
     #[test]
     fn they_are_weighed_every_so_often_and_about_large_turns() {
-        let mut scale = Scale::default();
+        let mut balance = Balance::default();
         let straight = step(0.15, 0.0, 0.001);
-        assert!(scale.before(&straight).is_none() && scale.take(&straight).is_none());
-        assert!(scale.take(&straight).is_none(), "0.3 m say little");
-        let third = scale.take(&straight).expect("0.45 m");
+        assert!(balance.before(&straight).is_none() && balance.take(&straight).is_none());
+        assert!(balance.take(&straight).is_none(), "0.3 m say little");
+        let third = balance.take(&straight).expect("0.45 m");
         assert!((third.length - 0.45).abs() < 1e-9 && (third.against - 0.003).abs() < 1e-9);
-        assert!(scale.take(&straight).is_none());
+        assert!(balance.take(&straight).is_none());
         let turn = step(0.0, 0.3, 0.31);
-        let before = scale.before(&turn).expect("a large turn comes");
+        let before = balance.before(&turn).expect("a large turn comes");
         assert!((before.length - 0.15).abs() < 1e-9 && (before.against - 0.004).abs() < 1e-9);
         assert!(before.scrub() < 1e-12);
-        let turned = scale.take(&turn).expect("a large turn");
+        let turned = balance.take(&turn).expect("a large turn");
         // All since the beginning is told again: rounding to ticks does not add up.
         assert!(turned.length < 1e-9 && (turned.against - 0.014).abs() < 1e-9);
         assert!((turned.scrub().sqrt() - 0.3 * TURN_SHARE).abs() < 1e-9);
-        assert!(scale.before(&turn).is_none(), "nothing came together");
+        assert!(balance.before(&turn).is_none(), "nothing came together");
     }
 
     #[test]

@@ -34,11 +34,29 @@ pub struct Overlap {
     /// misclosure is taken out, 0 to 1, of those (at least half of all) beside which walls were
     /// seen. Low when this is another place that only looks near.
     pub agreement: f64,
-    /// What the overlap alone says: normal matrix and right-hand side of (dx, dy, heading).
+    /// Contacts of the overlap beside which walls were seen at the beginning: what `agreement` rests
+    /// on.
+    pub known: usize,
+    /// What the overlap alone says: normal matrix and right-hand side of (dx, dy, heading), the
+    /// heading turning about `centre`.
+    centre: Point,
     normal: Matrix3<f64>,
     right: Vector3<f64>,
     /// Standard deviations of the misclosure in its worse direction (metres) and heading (radians).
     pub sd: (f64, f64),
+}
+
+impl Overlap {
+    /// Tells `survey` that knot `late`, at `at`, lies on the place of knot `early`, a lap before, but
+    /// for what the overlap measured.
+    pub fn close(&self, survey: &mut Survey, early: &Tie, late: &Tie, at: Point) {
+        let arm = perp(self.centre - at);
+        let mut moved = Matrix3::identity();
+        moved[(0, 2)] = arm.x;
+        moved[(1, 2)] = arm.y;
+        let about = moved.transpose();
+        survey.close(early, late, &(about * self.normal * moved), &(about * self.right));
+    }
 }
 
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
@@ -95,7 +113,7 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     let sd = (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt());
     let judged = known.max(late.len().div_ceil(2)).max(1);
     let agreement = agreeing as f64 / judged as f64;
-    Overlap { misclosure, agreement, normal, right, sd }
+    Overlap { misclosure, agreement, known, centre, normal, right, sd }
 }
 
 /// How one look was laid on the other.
@@ -246,7 +264,7 @@ fn bent(near: &[Point], point: Point) -> Option<Stretch> {
 /// Contacts that lie this close about a line or circle are one wall, metres.
 const STRAIGHT: f64 = 0.003;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
-const NEIGHBOURS: [f64; 3] = [0.1, 0.25, 0.5];
+const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
 /// What the wheels add on a lap of many short moves, metres per root metre.
 const WHEEL_SD: f64 = 0.003;
@@ -330,7 +348,7 @@ impl Adjustment {
     pub fn new(tracker: &Tracker, closure: &Closure, overlap: &Overlap, since_us: u64) -> Self {
         let Traverse { mut survey, ends } = Traverse::new(tracker, closure, since_us);
         if let Some((from, to)) = ends {
-            survey.close(&from, &to, &overlap.normal, &overlap.right);
+            overlap.close(&mut survey, &from, &to, closure.to.pose.position);
         }
         Self { survey }
     }

@@ -84,6 +84,8 @@ const LONGEST_LAP: f64 = 2000.0;
 
 /// Share of the overlap that must lie on the walls seen first.
 const AGREEMENT: f64 = 0.55;
+/// Contacts of the overlap that must have something to lie on before that is judged.
+const EVIDENCE: usize = 4;
 /// The overlap is driven on until the misclosure is known to this (metres, radians), ...
 const POSITION_ENOUGH: f64 = 0.005;
 const HEADING_ENOUGH: f64 = 0.003;
@@ -144,10 +146,14 @@ impl Circuit {
             let overlap = measure(&closure, self.wall.log(), &traverse);
             let driven = tracker.travelled() - closure.to.travelled;
             let enough = overlap.sd.0 < POSITION_ENOUGH && overlap.sd.1 < HEADING_ENOUGH;
-            if overlap.agreement < AGREEMENT {
+            let all = driven > MOST_OVERLAP.min(0.3 * closure.length());
+            if overlap.known < EVIDENCE && !all {
+                // On a straight wall contacts are far between: nothing is known yet, either way.
+                self.overlap = driven + 0.2;
+            } else if overlap.agreement < AGREEMENT {
                 // It only looked near: this is another place, and the lap goes on.
                 self.closure = None;
-            } else if enough || driven > MOST_OVERLAP.min(0.3 * closure.length()) {
+            } else if enough || all {
                 return Leg::Closed(closure, Box::new(overlap));
             } else {
                 self.overlap = driven + 0.2;

@@ -12,7 +12,6 @@ mod line;
 mod rounds;
 
 use super::chart::Chart;
-use super::circuit::Circuit;
 use super::event::EventKind;
 use super::floor::{Coverage, Floor};
 use super::follow::{Ask, AtRest};
@@ -39,6 +38,8 @@ const ROOM: f64 = 0.03;
 const REACHED: f64 = 0.008;
 /// Bumps on one line before it is given up.
 const MOST_BUMPS: u32 = 3;
+/// A line on which this many decisions in a row lead to no motion is given up.
+const MOST_UNDECIDED: u32 = 200;
 /// A line on which so many rounds stayed open is given up.
 const MOST_LEFT_OPEN: u32 = 2;
 /// The disc is brought this far below α, since the pose is never quite known, metres.
@@ -51,7 +52,7 @@ enum Doing {
     Choosing,
     Driving(Box<Drive>),
     BackingOff(Box<Drive>),
-    Rounding { circuit: Box<Circuit>, drive: Box<Drive>, id: u32 },
+    Rounding(Round),
     Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
 }
 
@@ -145,7 +146,7 @@ impl Tour {
     #[must_use]
     pub fn wall(&self) -> &Wall {
         match &self.doing {
-            Doing::Rounding { circuit, .. } => &circuit.wall,
+            Doing::Rounding(round) => &round.circuit.wall,
             Doing::Passing { passing, .. } => &passing.wall,
             _ => &self.wall,
         }
@@ -154,7 +155,7 @@ impl Tour {
     /// The same, to add to.
     pub fn wall_mut(&mut self) -> &mut Wall {
         match &mut self.doing {
-            Doing::Rounding { circuit, .. } => &mut circuit.wall,
+            Doing::Rounding(round) => &mut round.circuit.wall,
             Doing::Passing { passing, .. } => &mut passing.wall,
             _ => &mut self.wall,
         }
@@ -164,7 +165,7 @@ impl Tour {
     pub fn fix(&mut self, survey: &mut Survey, pose: Pose, seen: &Sighting) -> Option<Pose> {
         // What is being gone round has a misclosure of its own, measured at its end.
         if seen.kind != ContactKind::Range
-            || matches!(self.doing, Doing::Rounding { .. } | Doing::Passing { .. })
+            || matches!(self.doing, Doing::Rounding(_) | Doing::Passing { .. })
         {
             return None;
         }
@@ -187,13 +188,19 @@ impl Tour {
     /// The robot came to rest: the next motion; none when the tour is over.
     pub fn next(&mut self, scene: &mut Scene<'_>) -> Option<Ask> {
         let mut reason = Some(scene.rest.reason);
-        for _ in 0..200 {
+        let mut undecided = 0;
+        loop {
             // What is believed may have been corrected since the robot came to rest.
             scene.rest.pose = scene.tracker.pose();
+            undecided += 1;
+            if undecided > MOST_UNDECIDED {
+                self.give_up(scene);
+            }
             match std::mem::replace(&mut self.doing, Doing::Choosing) {
                 Doing::Choosing => {
                     self.follow_survey(scene.survey, scene.map);
                     let drive = self.choose(scene)?;
+                    undecided = 0;
                     self.doing = Doing::Driving(Box::new(drive));
                     reason = None;
                 }
@@ -207,8 +214,7 @@ impl Tour {
                         return Some(ask);
                     }
                 }
-                Doing::Rounding { circuit, drive, id } => {
-                    let round = Round { circuit, drive, id };
+                Doing::Rounding(round) => {
                     if let Some(ask) = self.round(round, scene) {
                         return Some(ask);
                     }
@@ -223,7 +229,18 @@ impl Tour {
                 }
             }
         }
-        None
+    }
+
+    /// The line in hand is at an end: nothing on it leads anywhere.
+    fn give_up(&mut self, scene: &mut Scene<'_>) {
+        let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
+            Doing::Choosing => return,
+            Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
+                drive
+            }
+            Doing::Rounding(round) => round.into_drive(),
+        };
+        self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
     }
 
     fn choose(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {

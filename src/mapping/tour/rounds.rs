@@ -3,8 +3,8 @@
 
 use super::drive::Drive;
 use super::{Doing, KNOWN, MOST_LEFT_OPEN, SAME, Scene, Tour};
-use crate::geometry::{Pose, angle};
-use crate::mapping::adjust::Adjustment;
+use crate::geometry::{Point, Pose, angle};
+use crate::mapping::adjust::{Adjustment, Overlap};
 use crate::mapping::circuit::{Circuit, Leg};
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
@@ -13,8 +13,9 @@ use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::lap_contacts;
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::object_outline;
-use crate::mapping::survey::{Surface, Survey};
+use crate::mapping::survey::{Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
+use crate::robot::Chassis;
 
 /// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
 const MATTERS: f64 = 0.002;
@@ -50,8 +51,7 @@ impl Tour {
             self.doing = Doing::Passing { passing, drive, half };
             return None;
         }
-        let circuit = Box::new(Circuit::new(&self.chassis, side, wall, ROUND_OVERLAP));
-        self.doing = Doing::Rounding { circuit, drive, id };
+        self.doing = Doing::Rounding(Round::new(&self.chassis, side, wall, drive, id));
         None
     }
 
@@ -61,8 +61,8 @@ impl Tour {
         }
         match round.circuit.next(scene.tracker, &scene.rest) {
             Leg::Go(ask) => {
-                let Round { circuit, drive, id } = round;
-                self.doing = Doing::Rounding { circuit, drive, id };
+                round.mark(scene);
+                self.doing = Doing::Rounding(round);
                 Some(ask)
             }
             Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
@@ -70,9 +70,7 @@ impl Tour {
                 let adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
                 let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let (outline, class) = object_outline(&contacts, true);
-                scene
-                    .tracker
-                    .correct(adjustment.pose(scene.tracker.pose(), scene.tracker.time_us()));
+                let tie = round.close(&overlap, scene);
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.
                     for contact in &contacts {
@@ -91,7 +89,7 @@ impl Tour {
                     return None;
                 }
                 let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
-                self.record(object, scene);
+                self.record(object, tie, scene);
                 scene.tell.push(EventKind::ObjectClosed { id: round.id });
                 self.resume(round.drive);
                 None
@@ -136,7 +134,8 @@ impl Tour {
                 closed: false,
                 contacts,
             };
-            self.record(object, scene);
+            let tie = here(scene);
+            self.record(object, tie, scene);
         }
         let mut drive = round.drive;
         drive.left_open += 1;
@@ -151,9 +150,8 @@ impl Tour {
         None
     }
 
-    /// Adds an object to map and chart; it hangs on the pose of now.
-    fn record(&mut self, object: MappedObject, scene: &mut Scene<'_>) {
-        let tie = scene.survey.mark(scene.tracker.pose().position, scene.tracker.time_us());
+    /// Adds an object to map and chart; it hangs on `tie`.
+    fn record(&mut self, object: MappedObject, tie: Tie, scene: &mut Scene<'_>) {
         self.chart.add(&object, tie);
         scene.map.objects.push(object);
     }
@@ -193,8 +191,7 @@ impl Tour {
                 // No way past on this side: all the way round instead.
                 let Pass { passing, drive, .. } = pass;
                 let (side, wall) = (passing.side(), passing.wall);
-                let circuit = Box::new(Circuit::new(&self.chassis, side, wall, ROUND_OVERLAP));
-                self.doing = Doing::Rounding { circuit, drive, id };
+                self.doing = Doing::Rounding(Round::new(&self.chassis, side, wall, drive, id));
             }
             Way::Back => {
                 let side = pass.passing.side();
@@ -207,7 +204,8 @@ impl Tour {
                     }
                     let (outline, class) = object_outline(&contacts, true);
                     let object = MappedObject { id, class, outline, closed: true, contacts };
-                    self.record(object, scene);
+                    let tie = here(scene);
+                    self.record(object, tie, scene);
                     scene.tell.push(EventKind::ObjectClosed { id });
                 } else {
                     self.halves.push((pass.drive.id, Half { side, contacts: seen }));
@@ -221,11 +219,55 @@ impl Tour {
     }
 }
 
-/// A round under way, taken out of the state while it is looked at.
+/// The pose of now, kept in the survey for what hangs on it.
+fn here(scene: &mut Scene<'_>) -> Tie {
+    scene.survey.mark(scene.tracker.pose().position, scene.tracker.time_us())
+}
+
+/// A round under way.
+#[derive(Debug, Clone)]
 pub(super) struct Round {
     pub(super) circuit: Box<Circuit>,
-    pub(super) drive: Box<Drive>,
-    pub(super) id: u32,
+    drive: Box<Drive>,
+    id: u32,
+    /// Where the round began: what is mapped on it hangs on that.
+    begun: Option<Tie>,
+    /// Where it came back to its beginning, as far as it looks.
+    back: Option<(Tie, Point)>,
+}
+
+impl Round {
+    fn new(chassis: &Chassis, side: Side, wall: Wall, drive: Box<Drive>, id: u32) -> Self {
+        let circuit = Box::new(Circuit::new(chassis, side, wall, ROUND_OVERLAP));
+        Self { circuit, drive, id, begun: None, back: None }
+    }
+
+    /// The line it interrupted.
+    pub(super) fn into_drive(self) -> Box<Drive> {
+        self.drive
+    }
+
+    /// Keeps the pose in the survey where the round begins, and where it comes back to that.
+    fn mark(&mut self, scene: &mut Scene<'_>) {
+        if self.begun.is_none() && self.circuit.first_anchor().is_some() {
+            self.begun = Some(here(scene));
+        }
+        if self.circuit.closure().is_none() {
+            self.back = None;
+        } else if self.back.is_none() {
+            self.back = Some((here(scene), scene.tracker.pose().position));
+        }
+    }
+
+    /// Lays the end of the round on its beginning, which corrects the pose; what its contacts hang
+    /// on.
+    fn close(&self, overlap: &Overlap, scene: &mut Scene<'_>) -> Tie {
+        if let (Some(begun), Some((back, at))) = (&self.begun, &self.back) {
+            overlap.close(scene.survey, begun, back, *at);
+            scene.tracker.correct(scene.survey.take_pose(scene.tracker.pose()));
+        }
+        self.begun.unwrap_or_else(|| here(scene))
+    }
 }
 
 /// A pass under way, likewise.

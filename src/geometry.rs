@@ -34,6 +34,13 @@ pub fn cross(a: Vector, b: Vector) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
+/// `v` turned counter-clockwise by `by` radians.
+#[must_use]
+pub fn rotate(v: Vector, by: f64) -> Vector {
+    let (sine, cosine) = (angle::sin(by), angle::cos(by));
+    Vector::new(cosine * v.x - sine * v.y, sine * v.x + cosine * v.y)
+}
+
 /// `v` turned a quarter counter-clockwise.
 #[must_use]
 pub fn perp(v: Vector) -> Vector {

@@ -5,6 +5,7 @@ pub mod adjust;
 pub mod ahead;
 pub mod chart;
 pub mod circuit;
+pub mod drift;
 pub mod event;
 pub mod floor;
 pub mod follow;

@@ -11,7 +11,7 @@ use super::odometry::Tracker;
 use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch};
 use crate::geometry::fit::Moments;
-use crate::geometry::{Point, Pose, Vector, angle, cross, perp};
+use crate::geometry::{Point, Pose, Vector, angle, cross, perp, rotate};
 use crate::mapping::map::ContactKind;
 use nalgebra::{Matrix3, Vector3};
 
@@ -44,6 +44,8 @@ pub struct Overlap {
     right: Vector3<f64>,
     /// Standard deviations of the misclosure in its worse direction (metres) and heading (radians).
     pub sd: (f64, f64),
+    /// The same without what wheels and gyro lead to expect.
+    pub alone: (f64, f64),
 }
 
 impl Overlap {
@@ -108,12 +110,18 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     }
     let Fit { found, agreeing, known, normal, right } = best;
     let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
-    let spread = (normal + prior).try_inverse().unwrap_or_else(Matrix3::identity);
-    let position = spread.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
-    let sd = (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt());
+    let (sd, alone) = (deviations(normal + prior), deviations(normal));
     let judged = known.max(late.len().div_ceil(2)).max(1);
     let agreement = agreeing as f64 / judged as f64;
-    Overlap { misclosure, agreement, known, centre, normal, right, sd }
+    Overlap { misclosure, agreement, known, centre, normal, right, sd, alone }
+}
+
+/// Standard deviations of the position in its worse direction (metres) and of the heading (radians)
+/// of what is known with this information.
+fn deviations(information: Matrix3<f64>) -> (f64, f64) {
+    let Some(spread) = information.try_inverse() else { return (f64::INFINITY, f64::INFINITY) };
+    let position = spread.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
+    (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt())
 }
 
 /// How one look was laid on the other.
@@ -284,7 +292,14 @@ impl Traverse {
     /// The lap `closure` of what `tracker` drove; errors count from `since_us` (robot time) on.
     #[must_use]
     pub fn new(tracker: &Tracker, closure: &Closure, since_us: u64) -> Self {
-        let (path, blank) = (tracker.path(), Survey::new(tracker.resolution()));
+        Self::along(tracker.path(), tracker.resolution(), closure, since_us)
+    }
+
+    /// The same of a `path` driven on wheels of which one tick turns the robot by `resolution`
+    /// radians.
+    #[must_use]
+    pub fn along(path: &[PathPoint], resolution: f64, closure: &Closure, since_us: u64) -> Self {
+        let blank = Survey::new(resolution);
         let once = Self::over(blank.clone(), path, closure, since_us);
         // Now that it is known how the wheels hold the floor, the first metres are weighed again.
         Self::over(blank.on_the_floor_of(&once.survey), path, closure, since_us)
@@ -374,11 +389,6 @@ impl Adjustment {
     pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
         self.survey.place(pose, &self.tie(time_us))
     }
-}
-
-fn rotate(v: Vector, by: f64) -> Vector {
-    let (sine, cosine) = (angle::sin(by), angle::cos(by));
-    Vector::new(cosine * v.x - sine * v.y, sine * v.x + cosine * v.y)
 }
 
 /// Signed distance of `point` from the line of `wall`, positive to its left.

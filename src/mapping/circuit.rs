@@ -1,19 +1,24 @@
 //! One lap round something: follow the wall until back where it was first met (paper III.C).
 //!
 //! Closing takes two things at once: the robot crosses a line through a place it passed at the
-//! beginning, near that place, and it faces the same way there. The sense of the one whole turn
+//! beginning, near that place, and it faces the same way there. On a long lap the gyro's drift leads
+//! far away from that; the lap is then looked at without each drift that the gyro may have, and what
+//! is driven after the crossing has to lie on the beginning, corners and all. The sense of the one whole turn
 //! that a closed lap makes (Hopf's theorem on turning tangents) is read from the area that the
 //! driven path encloses rather than from the turns themselves: in narrow pockets the robot turns
 //! about on the spot, and which way round it did so says nothing of the wall. That sense tells
 //! inside from outside.
 
 use super::adjust::{Overlap, Traverse, measure};
+use super::drift::{Drifting, Drifts, Unwound};
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
+use super::map::Misclosure;
 use super::odometry::Tracker;
-use super::wall::Wall;
-use crate::geometry::{Point, Pose, angle, cross};
+use super::wall::{Sighting, Wall};
+use crate::geometry::{Point, Pose, angle, cross, rotate};
 use crate::robot::Chassis;
+use std::borrow::Cow;
 
 /// A place early in the lap at which it may close.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +42,14 @@ impl Anchor {
             time_us: tracker.time_us(),
         }
     }
+
+    fn unwound(&self, unwound: &Unwound) -> Self {
+        Self {
+            pose: unwound.pose(self.pose, self.time_us),
+            heading: self.heading + unwound.turn(self.time_us),
+            ..*self
+        }
+    }
 }
 
 /// A lap that closed.
@@ -48,6 +61,9 @@ pub struct Closure {
     pub to: Anchor,
     /// On which hand the wall was.
     pub side: Side,
+    /// Drift of the gyro that has to be taken out of all that was driven, radians per second: the
+    /// places above are without it.
+    pub drift: f64,
 }
 
 impl Closure {
@@ -81,16 +97,74 @@ const BEGINNING: f64 = 1.2;
 const SHORTEST_LAP: f64 = 0.5;
 /// A lap longer than this will not close any more, metres.
 const LONGEST_LAP: f64 = 2000.0;
+/// On shorter laps no drift of the gyro leads astray, metres.
+const DRIFTING: f64 = 20.0;
+/// A lap without its drift ends facing this near to where it began, radians: following a wall turns
+/// the robot to and fro.
+const FACING: f64 = 0.17;
 
-/// Share of the overlap that must lie on the walls seen first.
+/// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
 const AGREEMENT: f64 = 0.55;
+const FREE_AGREEMENT: f64 = 0.75;
 /// Contacts of the overlap that must have something to lie on before that is judged.
 const EVIDENCE: usize = 4;
 /// The overlap is driven on until the misclosure is known to this (metres, radians), ...
 const POSITION_ENOUGH: f64 = 0.005;
 const HEADING_ENOUGH: f64 = 0.003;
-/// ... but not further than this, metres.
+/// ... but not further than this, metres; further when the gyro's drift was free, since then only
+/// corners tell the place from others like it, known to this.
 const MOST_OVERLAP: f64 = 4.0;
+const MOST_FREE_OVERLAP: f64 = 25.0;
+const FREE_POSITION: f64 = 0.02;
+/// Crossings that are looked into at the same time, and headings nearer to each other than this are
+/// of one.
+const MOST_CANDIDATES: usize = 4;
+const ANOTHER: f64 = 0.05;
+/// A lap that ends turned by more than this is looked at without that drift, radians: least squares
+/// takes small angles only.
+const SMALL: f64 = 0.02;
+
+/// A crossing that may be the end of the lap, until the overlap has told.
+#[derive(Debug, Clone)]
+struct Candidate {
+    /// With the drift still in it.
+    wound: (Anchor, Anchor),
+    /// +1 for a lap run counter-clockwise.
+    sense: f64,
+    rate: f64,
+    /// Seconds of motion since the lap began.
+    seconds: f64,
+    /// Metres to drive beyond it before it is looked at.
+    overlap: f64,
+}
+
+impl Misclosure {
+    /// What odometry was off by in all, of a lap from which a drift was taken out: that, and what was
+    /// left of it.
+    fn with(self, wound: &(Anchor, Anchor), closure: &Closure) -> Self {
+        let of = |from: &Anchor, to: &Anchor| {
+            (to.pose.position - from.pose.position, to.pose.heading - from.pose.heading)
+        };
+        let (way, turn) = of(&wound.0, &wound.1);
+        let (unwound_way, unwound_turn) = of(&closure.from, &closure.to);
+        let back = angle::wrap(wound.0.pose.heading - closure.from.pose.heading);
+        let off = way - rotate(unwound_way, back);
+        Self {
+            dx: self.dx + off.x,
+            dy: self.dy + off.y,
+            heading: self.heading + angle::wrap(turn - unwound_turn),
+            ..self
+        }
+    }
+}
+
+/// What looking at a candidate says.
+enum Verdict {
+    Closed(Closure, Box<Overlap>),
+    /// It only looked near.
+    Another,
+    More,
+}
 
 /// A lap under way.
 #[derive(Debug, Clone)]
@@ -100,7 +174,8 @@ pub struct Circuit {
     follower: Follower,
     anchors: Vec<Anchor>,
     previous: Option<Anchor>,
-    closure: Option<Closure>,
+    drifts: Drifts,
+    candidates: Vec<Candidate>,
     overlap: f64,
     trail: Vec<(f64, Point)>,
 }
@@ -115,10 +190,17 @@ impl Circuit {
             follower: Follower::new(chassis, side),
             anchors: Vec::new(),
             previous: None,
-            closure: None,
+            drifts: Drifts::new(false),
+            candidates: Vec::new(),
             overlap,
             trail: Vec::new(),
         }
+    }
+
+    /// The same for a robot of whose gyro nothing is known yet.
+    #[must_use]
+    pub fn with_any_drift(self) -> Self {
+        Self { drifts: Drifts::new(true), ..self }
     }
 
     /// Where the lap is judged from, once it has begun.
@@ -127,36 +209,23 @@ impl Circuit {
         self.anchors.first()
     }
 
-    /// The lap as closed, while the overlap is being driven.
+    /// Whether the lap looks closed, and the overlap is being driven.
     #[must_use]
-    pub fn closure(&self) -> Option<&Closure> {
-        self.closure.as_ref()
+    pub fn looks_closed(&self) -> bool {
+        !self.candidates.is_empty()
     }
 
     /// The robot came to rest: what next?
     pub fn next(&mut self, tracker: &Tracker, rest: &AtRest) -> Leg {
+        self.drifts.follow(tracker.pose(), tracker.active());
         if self.follower.is_stepping() {
             self.after_step(tracker);
         }
-        if let Some(closure) = self.closure
-            && tracker.travelled() > closure.to.travelled + self.overlap
-        {
-            let since = closure.from.time_us;
-            let traverse = Traverse::new(tracker, &closure, since);
-            let overlap = measure(&closure, self.wall.log(), &traverse);
-            let driven = tracker.travelled() - closure.to.travelled;
-            let enough = overlap.sd.0 < POSITION_ENOUGH && overlap.sd.1 < HEADING_ENOUGH;
-            let all = driven > MOST_OVERLAP.min(0.3 * closure.length());
-            if overlap.known < EVIDENCE && !all {
-                // On a straight wall contacts are far between: nothing is known yet, either way.
-                self.overlap = driven + 0.2;
-            } else if overlap.agreement < AGREEMENT {
-                // It only looked near: this is another place, and the lap goes on.
-                self.closure = None;
-            } else if enough || all {
-                return Leg::Closed(closure, Box::new(overlap));
-            } else {
-                self.overlap = driven + 0.2;
+        for index in (0..self.candidates.len()).rev() {
+            match self.look_into(index, tracker) {
+                Verdict::Closed(closure, overlap) => return Leg::Closed(closure, overlap),
+                Verdict::Another => drop(self.candidates.remove(index)),
+                Verdict::More => {}
             }
         }
         if self.follower.is_stuck() {
@@ -181,7 +250,7 @@ impl Circuit {
     fn before_step(&mut self, tracker: &Tracker) {
         let here = Anchor::here(tracker);
         let young = self.anchors.first().is_none_or(|a| here.travelled - a.travelled < BEGINNING);
-        if young && self.closure.is_none() {
+        if young && self.candidates.is_empty() {
             self.anchors.push(here);
         }
         self.trail.push((here.travelled, here.pose.position));
@@ -202,50 +271,133 @@ impl Circuit {
     }
 
     fn after_step(&mut self, tracker: &Tracker) {
-        if self.closure.is_some() {
-            return;
-        }
         let Some(before) = self.previous else { return };
         let now = Anchor::here(tracker);
-        let side = self.follower.side();
-        let crossed = self.anchors.iter().find_map(|anchor| crossing(anchor, &before, &now));
-        self.closure = crossed.map(|(from, mut to)| {
-            let turned = angle::wrap(to.pose.heading - from.pose.heading);
-            to.heading = from.heading + turned + angle::TAU * self.sense(&from);
-            Closure { from, to, side }
+        let Some(first) = self.anchors.first() else { return };
+        let lap = now.travelled - first.travelled;
+        if lap < SHORTEST_LAP || self.candidates.len() >= MOST_CANDIDATES {
+            return;
+        }
+        let best = |all: &mut dyn Iterator<Item = &Drifting>| {
+            let crossings = all.flat_map(|one| {
+                self.anchors.iter().filter_map(|anchor| crossing(anchor, one, lap))
+            });
+            crossings.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        };
+        let all = self.drifts.all();
+        let known = best(&mut all.iter().filter(|one| one.rate == 0.0));
+        let found = known.or_else(|| {
+            let free = all.iter().filter(|one| lap > DRIFTING && one.rate != 0.0);
+            best(&mut { free })
         });
-    }
-}
-
-/// Whether the step from `before` to `now` closes a lap that began at `anchor`; with the place of
-/// the crossing.
-fn crossing(anchor: &Anchor, before: &Anchor, now: &Anchor) -> Option<(Anchor, Anchor)> {
-    let lap = now.travelled - anchor.travelled;
-    if lap < SHORTEST_LAP {
-        return None;
-    }
-    let behind = anchor.pose.to_local(before.pose.position);
-    let past = anchor.pose.to_local(now.pose.position);
-    if behind.x >= 0.0 || past.x < 0.0 {
-        return None;
-    }
-    let share = behind.x / (behind.x - past.x);
-    let lateral = behind.y + (past.y - behind.y) * share;
-    let heading = before.heading + angle::wrap(now.heading - before.heading) * share;
-    let turned = angle::wrap(heading - anchor.heading);
-    // Wide enough for the drift of a long lap; whether it is the same place the overlap decides.
-    let near = lateral.abs() < (0.05 + 0.004 * lap).min(0.4);
-    let whole = turned.abs() < (25.0 + 0.1 * lap).min(40.0).to_radians();
-    (near && whole).then(|| {
+        let Some(Crossing { from, rate, share, .. }) = found else { return };
+        let seconds = tracker.active() - self.drifts.begun();
+        if self.candidates.iter().any(|c| ((c.rate - rate) * seconds).abs() < ANOTHER) {
+            return;
+        }
+        let moved = now.pose.position - before.pose.position;
+        let heading = before.heading + angle::wrap(now.heading - before.heading) * share;
         let to = Anchor {
             pose: Pose {
-                position: before.pose.position + (now.pose.position - before.pose.position) * share,
+                position: before.pose.position + moved * share,
                 heading: angle::wrap(heading),
             },
             heading,
             travelled: before.travelled + (now.travelled - before.travelled) * share,
             time_us: now.time_us,
         };
-        (*anchor, to)
-    })
+        let (wound, sense) = ((from, to), self.sense(&from));
+        self.candidates.push(Candidate { wound, sense, rate, seconds, overlap: self.overlap });
+    }
+
+    /// Lays what was driven since the crossing on the beginning.
+    fn look_into(&mut self, index: usize, tracker: &Tracker) -> Verdict {
+        let candidate = &self.candidates[index];
+        let to = candidate.wound.1;
+        let driven = tracker.travelled() - to.travelled;
+        if driven <= candidate.overlap {
+            return Verdict::More;
+        }
+        let free = candidate.rate != 0.0;
+        let (mut closure, mut overlap) = self.laid(candidate, candidate.rate, tracker);
+        let lap = closure.length();
+        let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
+        let all = driven > most.min(0.3 * lap);
+        let (least, position) =
+            if free { (FREE_AGREEMENT, FREE_POSITION) } else { (AGREEMENT, POSITION_ENOUGH) };
+        let known = if free { overlap.alone } else { overlap.sd };
+        let enough = known.0 < position && known.1 < HEADING_ENOUGH;
+        if overlap.known < EVIDENCE && !all {
+            // On a straight wall contacts are far between: nothing is known yet, either way.
+            self.candidates[index].overlap = driven + 0.2;
+            return Verdict::More;
+        }
+        if overlap.agreement < least || (all && free && !enough) {
+            return Verdict::Another;
+        }
+        if !enough && !all {
+            self.candidates[index].overlap = driven + 0.2;
+            return Verdict::More;
+        }
+        let left = overlap.misclosure.heading;
+        if left.abs() > SMALL && candidate.seconds > 0.0 {
+            let rate = candidate.rate + left / candidate.seconds;
+            (closure, overlap) = self.laid(candidate, rate, tracker);
+        }
+        overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
+        Verdict::Closed(closure, Box::new(overlap))
+    }
+
+    /// The lap without a drift of `rate`, and its end laid on its beginning.
+    fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> (Closure, Overlap) {
+        let unwound = (rate != 0.0).then(|| Unwound::new(tracker.path(), rate));
+        let (mut from, mut to) = candidate.wound;
+        let mut seen: Cow<'_, [Sighting]> = Cow::Borrowed(self.wall.log());
+        let mut path = tracker.path();
+        if let Some(unwound) = &unwound {
+            (from, to) = (from.unwound(unwound), to.unwound(unwound));
+            seen = seen.iter().map(|seen| seen.unwound(unwound)).collect();
+            path = unwound.path();
+        }
+        let turned = angle::wrap(to.pose.heading - from.pose.heading);
+        to.heading = from.heading + turned + angle::TAU * candidate.sense;
+        let closure = Closure { from, to, side: self.follower.side(), drift: rate };
+        let traverse = Traverse::along(path, tracker.resolution(), &closure, from.time_us);
+        let overlap = measure(&closure, &seen, &traverse);
+        (closure, overlap)
+    }
 }
+
+/// A crossing of the line through a place near the beginning.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    from: Anchor,
+    rate: f64,
+    /// Where on the step, 0 to 1.
+    share: f64,
+    /// How unlikely it is to be the end of the lap.
+    cost: f64,
+}
+
+/// Whether the last step closes a lap of `lap` metres that began at `anchor`, if the gyro drifts like
+/// that.
+fn crossing(anchor: &Anchor, step: &Drifting, lap: f64) -> Option<Crossing> {
+    let behind = anchor.pose.to_local(step.before.position);
+    let past = anchor.pose.to_local(step.now.position);
+    if behind.x >= 0.0 || past.x < 0.0 {
+        return None;
+    }
+    let share = behind.x / (behind.x - past.x);
+    let lateral = behind.y + (past.y - behind.y) * share;
+    let heading = step.before.heading + angle::wrap(step.now.heading - step.before.heading) * share;
+    let turned = angle::wrap(heading - anchor.pose.heading).abs();
+    // Wide enough for the drift of a long lap; whether it is the same place the overlap decides.
+    let gate = (0.05 + 0.004 * lap).min(0.4);
+    let facing = if step.rate == 0.0 { (25.0 + 0.1 * lap).min(40.0).to_radians() } else { FACING };
+    let cost = (turned / FACING).powi(2) + (lateral / gate).powi(2) + (step.rate / LIKELY).powi(2);
+    let near = lateral.abs() < gate && turned < facing;
+    near.then_some(Crossing { from: *anchor, rate: step.rate, share, cost })
+}
+
+/// What a gyro is likely to drift, radians per second (20 degrees an hour).
+const LIKELY: f64 = 1.0e-4;

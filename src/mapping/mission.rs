@@ -204,7 +204,8 @@ impl Mission {
     pub fn share(&self) -> Option<f64> {
         match &self.task {
             Task::Search(search) => {
-                search.circuit().and_then(super::circuit::Circuit::closure).map(|_| 0.95)
+                let closed = super::circuit::Circuit::looks_closed;
+                search.circuit().is_some_and(closed).then_some(0.95)
             }
             Task::Tour(tour) => Some(tour.share()),
             Task::Shape | Task::Plan => Some(0.0),

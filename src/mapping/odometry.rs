@@ -7,6 +7,7 @@
 //! moves and turns in place that the command set consists of. Knows nothing of walls; corrections
 //! come from outside through [`Tracker::correct`].
 
+use super::drift::Unwound;
 use super::map::{PathPoint, Phase, Spun};
 use crate::geometry::{Point, Pose, angle};
 use crate::robot::{Chassis, Odometer};
@@ -158,6 +159,23 @@ impl Tracker {
         self.heading += angle::wrap(to.heading - self.heading);
         self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
         self.fixed = Fixed { at: self.travelled, from: self.path.len(), since: self.path.len() };
+    }
+
+    /// Takes a steady drift of the gyro out of all that was driven, and out of what comes.
+    pub fn unwind(&mut self, unwound: &Unwound) {
+        let now = self.time_us();
+        let turn = unwound.turn(now);
+        self.pose = unwound.pose(self.pose, now);
+        self.heading += turn;
+        self.spun.gyro += turn;
+        self.bias += unwound.rate();
+        self.path = unwound.path().to_vec();
+    }
+
+    /// Seconds, since its beginning, that the robot was not at rest.
+    #[must_use]
+    pub fn active(&self) -> f64 {
+        self.time_us().saturating_sub(self.rested_us) as f64 * 1e-6
     }
 
     /// The wheels carry the robot `stretch` times as far as was believed: all that was driven, and all

@@ -3,9 +3,10 @@
 
 use super::adjust::{Adjustment, Overlap};
 use super::circuit::{Circuit, Closure, Leg};
+use super::drift::Unwound;
 use super::event::{EventKind, Failure};
 use super::follow::{Ask, AtRest, STRIDE, Side};
-use super::map::{MappedObject, RoomMap};
+use super::map::{Contact, MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
 use super::settings::Settings;
@@ -112,7 +113,7 @@ impl Search {
     /// The robot came to rest: what next? Objects that turn out to be extrinsic go into `map`.
     pub fn next(
         &mut self,
-        tracker: &Tracker,
+        tracker: &mut Tracker,
         rest: &AtRest,
         map: &mut RoomMap,
         tell: &mut Vec<EventKind>,
@@ -147,11 +148,12 @@ impl Search {
                         let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
                         tell.push(EventKind::LapClosed { length, extrinsic });
                         self.wall = circuit.wall;
+                        self.unwind(closure.drift, tracker, map);
                         if !extrinsic {
                             return Next::Found(closure, overlap);
                         }
                         self.record(tracker, &closure, &overlap, map, tell);
-                        self.turn_elsewhere(rest, tell);
+                        self.turn_elsewhere(&AtRest { pose: tracker.pose(), ..*rest }, tell);
                     }
                     Leg::Failed(why) => {
                         tell.push(EventKind::LapFailed { why });
@@ -159,6 +161,20 @@ impl Search {
                     }
                 },
             }
+        }
+    }
+
+    /// Takes the drift that a lap has shown out of all that was driven and seen.
+    fn unwind(&mut self, drift: f64, tracker: &mut Tracker, map: &mut RoomMap) {
+        if drift == 0.0 {
+            return;
+        }
+        let unwound = Unwound::new(tracker.path(), drift);
+        tracker.unwind(&unwound);
+        self.wall.unwind(&unwound);
+        for object in &mut map.objects {
+            let seen = object.contacts.first().map_or(0, Contact::time_us);
+            object.displace(|p| unwound.point(p, seen) - p);
         }
     }
 
@@ -236,7 +252,8 @@ impl Search {
             Doing::Passing(Box::new(passing))
         } else {
             tell.push(EventKind::ContactGained { by });
-            Doing::Lapping(Box::new(Circuit::new(&self.chassis, side, wall, OVERLAP)))
+            let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).with_any_drift();
+            Doing::Lapping(Box::new(circuit))
         };
         None
     }
@@ -272,12 +289,12 @@ pub fn lap_contacts(
     wall: &Wall,
     closure: &Closure,
     adjustment: &Adjustment,
-) -> Vec<super::map::Contact> {
+) -> Vec<Contact> {
     let towards = |seen: &super::wall::Sighting| {
         let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
         seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
     };
-    let mut contacts: Vec<super::map::Contact> = wall
+    let mut contacts: Vec<Contact> = wall
         .log()
         .iter()
         .filter(|seen| seen.alive && towards(seen))

@@ -6,6 +6,7 @@
 //! the same ray in both directions (a surface opens 5 mm later than it closes, a silhouette does
 //! not), and by beams that later pass through a point without seeing it.
 
+use super::drift::Unwound;
 use super::map::{Contact, ContactKind};
 use crate::geometry::{Point, Pose, Vector, angle, cross};
 use crate::robot::{Chassis, Edge, SwitchSet};
@@ -34,6 +35,17 @@ pub struct Sighting {
 }
 
 impl Sighting {
+    /// The same with a steady drift of the gyro taken out.
+    #[must_use]
+    pub fn unwound(&self, unwound: &Unwound) -> Self {
+        Self {
+            point: unwound.point(self.point, self.time_us),
+            pose: unwound.pose(self.pose, self.time_us),
+            beam: self.beam + unwound.turn(self.time_us),
+            ..*self
+        }
+    }
+
     /// The contact as it goes into the map.
     #[must_use]
     pub fn contact(&self) -> Contact {
@@ -146,6 +158,16 @@ impl Wall {
     #[must_use]
     pub fn contacts(&self) -> Vec<Contact> {
         self.log.iter().filter(|seen| seen.alive).map(Sighting::contact).collect()
+    }
+
+    /// Takes a steady drift of the gyro out of all that was seen.
+    pub fn unwind(&mut self, unwound: &Unwound) {
+        for seen in &mut self.log {
+            *seen = seen.unwound(unwound);
+        }
+        if let (Some(pose), Some(last)) = (&mut self.last_pose, unwound.path().last()) {
+            *pose = unwound.pose(*pose, last.time_us);
+        }
     }
 
     /// Forgets everything, for a new lap.

@@ -28,7 +28,8 @@ const TAPINGS: u32 = 4;
 impl Mission {
     pub(super) fn search(&mut self, mut search: Box<Search>, out: &mut Vec<Output>) {
         let mut told = Vec::new();
-        let next = search.next(&self.tracker, &self.rest, &mut self.map, &mut told);
+        let next = search.next(&mut self.tracker, &self.rest, &mut self.map, &mut told);
+        self.rest.pose = self.tracker.pose();
         self.laps = search.laps();
         for kind in told {
             self.tell(kind, out);

@@ -62,44 +62,75 @@ const TURN_SHARE: f64 = 0.005;
 const FLOORS: [f64; 7] = [1.0e-7, 3.0e-7, 1.0e-6, 3.0e-6, 1.0e-5, 3.0e-5, 1.0e-4];
 /// Before anything is known each of them is believed half as much as the one before.
 const RARER: f64 = 0.5;
+/// How far the gyro may wander, as a share of what its datasheet says (standard deviation).
+const GYROS: [f64; 3] = [1.0, 0.3, 0.1];
+/// Before anything is known each of them is believed that much less than the one before: a gyro
+/// better than its datasheet has to prove it.
+const FINER: f64 = 0.1;
 /// What is farther off than this, in variances, is a slip, and no wander.
 const SLIP: f64 = 12.0;
 
-/// What was learnt of how the wheels hold the floor: the likelihood of each of [`FLOORS`].
+/// What was learnt of how the wheels hold the floor and how still the gyro is: the likelihood of
+/// each pair of [`FLOORS`] and [`GYROS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Grip {
-    /// Natural logarithms.
-    likelihood: [f64; FLOORS.len()],
+    /// Natural logarithms; a row for each of [`GYROS`].
+    likelihood: [[f64; FLOORS.len()]; GYROS.len()],
+    /// Variance of the wheels' heading, square radians per metre.
+    wander: f64,
+    /// Variance of the gyro's walk, as a share of what its datasheet says.
+    walk: f64,
 }
 
 impl Default for Grip {
     fn default() -> Self {
-        Self { likelihood: std::array::from_fn(|k| k as f64 * libm::log(RARER)) }
+        let prior = |gyro: usize, floor: usize| {
+            floor as f64 * libm::log(RARER) + gyro as f64 * libm::log(FINER)
+        };
+        let likelihood = std::array::from_fn(|gyro| std::array::from_fn(|k| prior(gyro, k)));
+        Self { likelihood, wander: 0.0, walk: 1.0 }.weighed()
     }
 }
 
 impl Grip {
     /// Variance of the wheels' heading, square radians per metre: the geometric mean of the floors,
     /// weighed by how likely they are.
-    pub(super) fn wander(self) -> f64 {
-        let best = self.likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let (mut sum, mut all) = (0.0, 0.0);
-        for (floor, likelihood) in FLOORS.iter().zip(self.likelihood) {
-            let weight = libm::exp(likelihood - best);
-            sum += weight * libm::log(*floor);
-            all += weight;
+    pub(super) fn wander(&self) -> f64 {
+        self.wander
+    }
+
+    /// Variance of the gyro's walk as a share of what its datasheet says, likewise.
+    pub(super) fn walk(&self) -> f64 {
+        self.walk
+    }
+
+    fn weighed(self) -> Self {
+        let best = self.likelihood.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (mut wander, mut walk, mut all) = (0.0, 0.0, 0.0);
+        for (gyro, row) in GYROS.iter().zip(&self.likelihood) {
+            for (floor, likelihood) in FLOORS.iter().zip(row) {
+                let weight = libm::exp(likelihood - best);
+                wander += weight * libm::log(*floor);
+                walk += weight * 2.0 * libm::log(*gyro);
+                all += weight;
+            }
         }
-        libm::exp(sum / all)
+        Self { wander: libm::exp(wander / all), walk: libm::exp(walk / all), ..self }
     }
 
     /// Learns from `length` metres that were off by `innovation`, with `spread` (square radians)
-    /// expected had the wheels not wandered at all.
-    pub(super) fn learn(&mut self, length: f64, innovation: f64, spread: f64) {
-        for (floor, likelihood) in FLOORS.iter().zip(&mut self.likelihood) {
-            let variance = spread + floor * length;
-            let square = (innovation * innovation / variance).min(SLIP);
-            *likelihood -= 0.5 * (libm::log(variance) + square);
+    /// expected had the wheels not wandered at all; in `spread`, `walk` is what the gyro would have
+    /// wandered by its datasheet, times what is believed of it.
+    pub(super) fn learn(&mut self, length: f64, innovation: f64, spread: f64, walk: f64) {
+        let still = spread - walk * self.walk;
+        for (gyro, row) in GYROS.iter().zip(&mut self.likelihood) {
+            for (floor, likelihood) in FLOORS.iter().zip(row) {
+                let variance = still + gyro * gyro * walk + floor * length;
+                let square = (innovation * innovation / variance).min(SLIP);
+                *likelihood -= 0.5 * (libm::log(variance) + square);
+            }
         }
+        *self = self.weighed();
     }
 }
 
@@ -110,6 +141,8 @@ pub(super) struct Load {
     pub(super) against: f64,
     /// Metres since they were weighed last.
     pub(super) length: f64,
+    /// Seconds of motion since then.
+    pub(super) seconds: f64,
     /// Turns to and fro since then, squared one by one, square radians.
     squares: f64,
 }
@@ -136,6 +169,7 @@ impl Balance {
     /// Takes the next step; what to weigh after it, if it is time to.
     pub(super) fn take(&mut self, step: &Step) -> Option<Load> {
         self.load.length += step.length();
+        self.load.seconds += step.seconds;
         self.load.against += step.against();
         self.load.squares += step.spun.1.squares - step.spun.0.squares;
         (step.turns() || self.load.length > OFTEN).then(|| self.empty())
@@ -186,8 +220,8 @@ mod tests {
         assert!((1.0e-7..1.0e-6).contains(&good.wander()), "{}", good.wander());
         for k in 0..100 {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            good.learn(2.0, sign * 0.001, spread);
-            bad.learn(2.0, sign * 0.005, spread);
+            good.learn(2.0, sign * 0.001, spread, 0.0);
+            bad.learn(2.0, sign * 0.005, spread, 0.0);
         }
         assert!(good.wander() < 1.5e-7, "{}", good.wander());
         // 25e-6 in 2 m are 12e-6 a metre.

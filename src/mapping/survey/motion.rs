@@ -33,7 +33,12 @@ impl Survey {
         self.covariance[(AGAINST, AGAINST)] += load.scrub();
         let spread = self.spread(&row) + rounding;
         let wander = self.grip.wander() * load.length;
-        self.grip.learn(load.length, innovation, spread);
+        self.grip.learn(
+            load.length,
+            innovation,
+            spread,
+            HEADING_WALK * HEADING_WALK * load.seconds,
+        );
         let square = innovation * innovation;
         // A slip says nothing of the heading; what comes after it does again.
         let slip = if square < GATE * GATE * (spread + wander) { 0.0 } else { square };
@@ -92,7 +97,7 @@ impl Survey {
         }
         self.mean[AGAINST] += self.expected(&against);
         let along = wheel_sd * wheel_sd * moved.norm();
-        let walk = HEADING_WALK * HEADING_WALK * seconds;
+        let walk = HEADING_WALK * HEADING_WALK * self.grip.walk() * seconds;
         self.covariance[(0, 0)] += along;
         self.covariance[(1, 1)] += along;
         for (row, column) in [(2, 2), (2, AGAINST), (AGAINST, 2), (AGAINST, AGAINST)] {
@@ -105,6 +110,6 @@ impl Survey {
     pub fn rest(&mut self, seconds: f64, rate: f64) {
         let row = [(BIAS, 1.0)];
         let innovation = -rate - self.mean[BIAS];
-        self.update(&row, innovation, HEADING_WALK * HEADING_WALK / seconds);
+        self.update(&row, innovation, HEADING_WALK * HEADING_WALK * self.grip.walk() / seconds);
     }
 }

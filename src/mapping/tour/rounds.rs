@@ -252,7 +252,7 @@ impl Round {
         if self.begun.is_none() && self.circuit.first_anchor().is_some() {
             self.begun = Some(here(scene));
         }
-        if self.circuit.closure().is_none() {
+        if !self.circuit.looks_closed() {
             self.back = None;
         } else if self.back.is_none() {
             self.back = Some((here(scene), scene.tracker.pose().position));

@@ -94,7 +94,8 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
         Vector3::new(shift.x, shift.y, 0.0),
         Vector3::new(shift.x, shift.y, turn),
     ];
-    let laid = Laid { early: &early, late: &late, centre, prior, expected };
+    let scatter = scatter(&early);
+    let laid = Laid { early: &early, late: &late, centre, prior, expected, scatter };
     let mut best = laid.closest(starts[0]);
     for start in &starts[1..] {
         let other = laid.closest(*start);
@@ -141,6 +142,8 @@ struct Laid<'a> {
     centre: Point,
     prior: Matrix3<f64>,
     expected: Vector3<f64>,
+    /// Spread of contacts about the wall they are of, metres.
+    scatter: f64,
 }
 
 impl Laid<'_> {
@@ -179,8 +182,10 @@ impl Laid<'_> {
             for &point in self.late {
                 let arm = rotate(point - self.centre, -found.z);
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
-                let beside = self.early.iter().any(|p| (p - placed).norm() < 0.012);
-                let Some(wall) = stretch_beside(self.early, placed) else {
+                let near = BESIDE.max(3.0 * self.scatter);
+                let beside = self.early.iter().any(|p| (p - placed).norm() < near);
+                let straight = STRAIGHT.max(1.6 * self.scatter);
+                let Some(wall) = stretch_beside(self.early, placed, straight) else {
                     // Ragged wall has no stretch to lie on; a contact where one was agrees too.
                     agreeing += usize::from(beside);
                     known += usize::from(beside);
@@ -190,7 +195,7 @@ impl Laid<'_> {
                 let across = perp(wall.along);
                 let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
                 let off = across.dot(&(placed - wall.at));
-                agreeing += usize::from(beside || off.abs() < 0.008);
+                agreeing += usize::from(beside || off.abs() < ON_IT.max(2.5 * self.scatter));
                 // Huber's weight: a contact that belongs to another wall must not pull.
                 let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
                 normal += row * row.transpose() * weight;
@@ -232,9 +237,19 @@ fn well_seen(
     (seen, told)
 }
 
+/// How far contacts scatter about their walls, metres: the lower quartile of what short stretches do,
+/// since corners and ragged walls are no scatter.
+fn scatter(points: &[Point]) -> f64 {
+    const STRETCH: usize = 6;
+    let stretches = points.windows(STRETCH).filter_map(Stretch::through);
+    let mut residuals: Vec<f64> = stretches.map(|stretch| stretch.residual).collect();
+    residuals.sort_by(f64::total_cmp);
+    residuals.get(residuals.len() / 4).map_or(0.0, |residual| residual.min(MOST_SCATTER))
+}
+
 /// The straight stretch of early wall on which `point` lies: through its neighbours, as near as
 /// there are enough of them.
-fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
+fn stretch_beside(walls: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
     NEIGHBOURS.iter().find_map(|reach| {
         let near: Vec<Point> =
             walls.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
@@ -242,7 +257,8 @@ fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
             return None;
         }
         let straight = Stretch::through(&near)?;
-        let local = if straight.residual < STRAIGHT { straight } else { bent(&near, point)? };
+        let local =
+            if straight.residual < tolerance { straight } else { bent(&near, point, tolerance)? };
         let along = |p: Point| local.along.dot(&(p - local.at));
         let (low, high) =
             near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
@@ -255,13 +271,13 @@ fn stretch_beside(walls: &[Point], point: Point) -> Option<Stretch> {
 }
 
 /// The tangent, nearest to `point`, of the circle through `near`; none when they lie on none.
-fn bent(near: &[Point], point: Point) -> Option<Stretch> {
+fn bent(near: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
     let circle = Moments::of(near).circle()?;
     let off = |p: &Point| (p - circle.center).norm() - circle.radius;
     let count = near.len() as f64;
     let residual = (near.iter().map(|p| off(p).powi(2)).sum::<f64>() / count).sqrt();
     let outward = (point - circle.center).try_normalize(1e-9)?;
-    let on_circle = near.len() >= 5 && residual < STRAIGHT && circle.radius > 0.3;
+    let on_circle = near.len() >= 5 && residual < tolerance && circle.radius > 0.3;
     on_circle.then(|| Stretch {
         at: circle.center + outward * circle.radius,
         along: perp(outward),
@@ -269,8 +285,13 @@ fn bent(near: &[Point], point: Point) -> Option<Stretch> {
     })
 }
 
-/// Contacts that lie this close about a line or circle are one wall, metres.
+/// Contacts that lie this close about a line or circle are one wall, metres; more when they scatter.
 const STRAIGHT: f64 = 0.003;
+/// A contact this near to another, or to a wall, is of it, metres; likewise.
+const BESIDE: f64 = 0.012;
+const ON_IT: f64 = 0.008;
+/// Contacts of one wall scatter no more than this about it, metres: what does is ragged.
+const MOST_SCATTER: f64 = 0.006;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
 const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
@@ -306,6 +327,7 @@ impl Traverse {
     }
 
     fn over(mut survey: Survey, path: &[PathPoint], closure: &Closure, since_us: u64) -> Self {
+        survey.unwound(closure.drift);
         let begin = path.partition_point(|point| point.time_us < since_us).saturating_sub(1);
         let path = &path[begin.min(path.len())..];
         let length: f64 =

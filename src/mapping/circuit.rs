@@ -174,6 +174,8 @@ pub struct Circuit {
     follower: Follower,
     anchors: Vec<Anchor>,
     previous: Option<Anchor>,
+    /// Places where it looked closed and was not known to be: it may close on one of these as well.
+    passed: Vec<Anchor>,
     drifts: Drifts,
     candidates: Vec<Candidate>,
     overlap: f64,
@@ -190,6 +192,7 @@ impl Circuit {
             follower: Follower::new(chassis, side),
             anchors: Vec::new(),
             previous: None,
+            passed: Vec::new(),
             drifts: Drifts::new(false),
             candidates: Vec::new(),
             overlap,
@@ -224,7 +227,7 @@ impl Circuit {
         for index in (0..self.candidates.len()).rev() {
             match self.look_into(index, tracker) {
                 Verdict::Closed(closure, overlap) => return Leg::Closed(closure, overlap),
-                Verdict::Another => drop(self.candidates.remove(index)),
+                Verdict::Another => self.passed.push(self.candidates.remove(index).wound.1),
                 Verdict::More => {}
             }
         }
@@ -278,18 +281,15 @@ impl Circuit {
         if lap < SHORTEST_LAP || self.candidates.len() >= MOST_CANDIDATES {
             return;
         }
-        let best = |all: &mut dyn Iterator<Item = &Drifting>| {
-            let crossings = all.flat_map(|one| {
-                self.anchors.iter().filter_map(|anchor| crossing(anchor, one, lap))
-            });
-            crossings.min_by(|a, b| a.cost.total_cmp(&b.cost))
-        };
         let all = self.drifts.all();
-        let known = best(&mut all.iter().filter(|one| one.rate == 0.0));
-        let found = known.or_else(|| {
-            let free = all.iter().filter(|one| lap > DRIFTING && one.rate != 0.0);
-            best(&mut { free })
-        });
+        let found = best(&self.passed, all.iter().filter(|one| one.rate == 0.0), now.travelled)
+            .or_else(|| {
+                best(&self.anchors, all.iter().filter(|one| one.rate == 0.0), now.travelled)
+            })
+            .or_else(|| {
+                let free = all.iter().filter(|one| lap > DRIFTING && one.rate != 0.0);
+                best(&self.anchors, free, now.travelled)
+            });
         let Some(Crossing { from, rate, share, .. }) = found else { return };
         let seconds = tracker.active() - self.drifts.begun();
         if self.candidates.iter().any(|c| ((c.rate - rate) * seconds).abs() < ANOTHER) {
@@ -379,9 +379,24 @@ struct Crossing {
     cost: f64,
 }
 
-/// Whether the last step closes a lap of `lap` metres that began at `anchor`, if the gyro drifts like
-/// that.
-fn crossing(anchor: &Anchor, step: &Drifting, lap: f64) -> Option<Crossing> {
+/// Of all crossings of a line through one of `anchors`, for any of `drifts`, the one that is the most
+/// likely end of the lap; the robot has driven `travelled` metres by now.
+fn best<'a>(
+    anchors: &[Anchor],
+    drifts: impl Iterator<Item = &'a Drifting>,
+    travelled: f64,
+) -> Option<Crossing> {
+    drifts
+        .flat_map(|one| anchors.iter().filter_map(|from| crossing(from, one, travelled)))
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// Whether the last step closes the lap that began at `anchor`, if the gyro drifts like that.
+fn crossing(anchor: &Anchor, step: &Drifting, travelled: f64) -> Option<Crossing> {
+    let lap = travelled - anchor.travelled;
+    if lap < SHORTEST_LAP {
+        return None;
+    }
     let behind = anchor.pose.to_local(step.before.position);
     let past = anchor.pose.to_local(step.now.position);
     if behind.x >= 0.0 || past.x < 0.0 {

@@ -285,11 +285,7 @@ fn side_of(chassis: &Chassis, sensor: usize) -> Side {
 /// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to
 /// something else and is left out.
 #[must_use]
-pub fn lap_contacts(
-    wall: &Wall,
-    closure: &Closure,
-    adjustment: &Adjustment,
-) -> Vec<Contact> {
+pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Vec<Contact> {
     let towards = |seen: &super::wall::Sighting| {
         let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
         seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)

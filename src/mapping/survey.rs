@@ -105,6 +105,12 @@ impl Survey {
         Self { grip: known.grip, ..self }
     }
 
+    /// The way was put right by a drift of `rate` (radians per second) that is only a guess: as likely
+    /// as before is that the gyro does not drift at all.
+    pub fn unwound(&mut self, rate: f64) {
+        self.mean[BIAS] = rate;
+    }
+
     /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
     pub fn mark(&mut self, at: Point, time_us: u64) -> Tie {
         let size = self.mean.len();

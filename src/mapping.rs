@@ -1,6 +1,7 @@
 //! The mapping core: from telemetry to the next command and the map. Without I/O, clock or chance
 //! that is not seeded; it cannot fail, and knows only what the robot reported.
 
+pub mod accuracy;
 pub mod adjust;
 pub mod ahead;
 pub mod chart;

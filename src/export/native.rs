@@ -6,7 +6,7 @@
 
 use super::{RunRecord, boundary, rounded};
 use crate::geometry::{Piece, Point, Ring, angle};
-use crate::mapping::map::{ObjectClass, Part, PartClass, Plan, ShapeClass};
+use crate::mapping::map::{ObjectClass, Part, PartClass, Plan, RoomMap, ShapeClass};
 use crate::mapping::settings::Strategy;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +41,21 @@ pub struct MapFile {
     /// The plan's figures, once there is a plan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanFile>,
+    /// How well all this is known, once there is an outline.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub errors: Option<ErrorFile>,
+}
+
+/// Standard errors in the map frame, whole millimetres, rounded up.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ErrorFile {
+    /// Across each piece of the boundary at its middle: in the order of the vertices at which they
+    /// begin, an arc that takes two vertices twice; a circle has one.
+    pub walls: Vec<u32>,
+    /// Of each vertex of the boundary, likewise.
+    pub corners: Vec<u32>,
+    /// Of each object's place, in their order.
+    pub objects: Vec<u32>,
 }
 
 /// One part of a complex shape.
@@ -152,6 +167,7 @@ impl MapFile {
                 })
                 .collect(),
             plan: map.plan.as_ref().map(PlanFile::of),
+            errors: ErrorFile::of(map),
         }
     }
 
@@ -182,6 +198,25 @@ impl MapFile {
             return Err(NativeError::Newer { found: version.periplus_map });
         }
         serde_json::from_str(text).map_err(form)
+    }
+}
+
+impl ErrorFile {
+    fn of(map: &RoomMap) -> Option<Self> {
+        let (accuracy, shape) = (map.accuracy.as_ref()?, map.shape.as_ref()?);
+        let mm = |metres: &f64| (metres * 1e3).ceil() as u32;
+        let pieces = &shape.outline.pieces;
+        let by_vertex = |all: &[f64]| {
+            let each = pieces.iter().zip(all);
+            each.flat_map(|(piece, sd)| vec![mm(sd); vertices(piece).len()]).collect::<Vec<_>>()
+        };
+        let whole = matches!(Outline::of(&shape.outline), Outline::Circle { .. });
+        let (walls, corners) = if whole {
+            (accuracy.walls.iter().map(mm).collect(), Vec::new())
+        } else {
+            (by_vertex(&accuracy.walls), by_vertex(&accuracy.corners))
+        };
+        Some(Self { walls, corners, objects: accuracy.objects.iter().map(mm).collect() })
     }
 }
 

@@ -1,6 +1,7 @@
 //! `report.json`: the figures of a run. Keys and units are part of the program's contract.
 
 use super::{Outcome, PHASES, RunRecord, boundary, rectangle, rounded};
+use crate::mapping::accuracy::Accuracy;
 use crate::mapping::map::{
     Misclosure, ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
 };
@@ -54,8 +55,19 @@ struct Boundary {
     /// Closed laps, those round objects met in the search included.
     laps: u32,
     misclosure: Option<MisclosureFigures>,
+    /// Null until there is an outline.
+    standard_error: Option<ErrorFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
     taped: Option<TapedFigures>,
+}
+
+/// Standard errors in the map frame, metres.
+#[derive(Serialize)]
+struct ErrorFigures {
+    wall_median_m: f64,
+    wall_worst_m: f64,
+    corner_median_m: f64,
+    corner_worst_m: f64,
 }
 
 /// What a taped length made of the map.
@@ -117,6 +129,8 @@ struct Object {
     width_m: f64,
     length_m: f64,
     area_m2: f64,
+    /// Standard error of its place; null until it is known.
+    standard_error_m: Option<f64>,
 }
 
 impl<'a> Report<'a> {
@@ -165,12 +179,24 @@ fn outline(record: &RunRecord<'_>) -> Option<Boundary> {
         area_m2: rounded(ring.area().abs(), 4),
         laps: record.laps,
         misclosure: record.map.misclosure.as_ref().map(misclosure),
+        standard_error: record.map.accuracy.as_ref().and_then(errors),
         taped: record.map.taped.map(|taped| TapedFigures {
             mapped_m: rounded(taped.mapped, 4),
             taped_m: taped.taped,
             stretch: rounded(taped.stretch, 6),
         }),
     })
+}
+
+fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {
+    let of = |all: &[f64]| {
+        let mut sorted = all.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        Some((rounded(*sorted.get(sorted.len() / 2)?, 4), rounded(*sorted.last()?, 4)))
+    };
+    let (wall_median_m, wall_worst_m) = of(&accuracy.walls)?;
+    let (corner_median_m, corner_worst_m) = of(&accuracy.corners)?;
+    Some(ErrorFigures { wall_median_m, wall_worst_m, corner_median_m, corner_worst_m })
 }
 
 fn misclosure(off: &Misclosure) -> MisclosureFigures {
@@ -217,7 +243,8 @@ fn strategy(figures: &PlanFigures) -> StrategyFigures {
 }
 
 fn objects(record: &RunRecord<'_>) -> Vec<Object> {
-    let measured = |object: &crate::mapping::map::MappedObject| {
+    let error = |k: usize| Some(rounded(*record.map.accuracy.as_ref()?.objects.get(k)?, 4));
+    let measured = |(k, object): (usize, &crate::mapping::map::MappedObject)| {
         let size = rectangle::measure(&object.outline)?;
         Some(Object {
             id: object.id,
@@ -228,9 +255,10 @@ fn objects(record: &RunRecord<'_>) -> Vec<Object> {
             width_m: rounded(size.width, 4),
             length_m: rounded(size.length, 4),
             area_m2: rounded(size.area, 5),
+            standard_error_m: error(k),
         })
     };
-    record.map.objects.iter().filter_map(measured).collect()
+    record.map.objects.iter().enumerate().filter_map(measured).collect()
 }
 
 #[cfg(test)]

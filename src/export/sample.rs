@@ -3,6 +3,7 @@
 
 use super::{Outcome, RunRecord};
 use crate::geometry::{Piece, Point, Pose, Ring};
+use crate::mapping::accuracy::Accuracy;
 use crate::mapping::map::{
     Contact, ContactKind, LineReason, LineStatus, MappedObject, Misclosure, ObjectClass, Part,
     PartClass, PathPoint, Phase, Plan, PlanFigures, PlanLine, RoomMap, Shape, ShapeClass, Spun,
@@ -88,6 +89,11 @@ pub(crate) fn room() -> Sample {
         path,
         hidden_disc: Some(0.21),
         hidden_at: None,
+        accuracy: Some(Accuracy {
+            walls: vec![0.004; 5],
+            corners: vec![0.0061, 0.0117, 0.0123, 0.0082, 0.0069],
+            objects: vec![0.0075; 3],
+        }),
         taped: None,
     };
     Sample { map, settings, truth }

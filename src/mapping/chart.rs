@@ -4,6 +4,7 @@
 //! the survey, and with it every contact: the chart moves outlines and contacts along, and says
 //! which surface a new contact lies on and what that surface hangs on.
 
+use super::accuracy::Judge;
 use super::map::{Contact, MappedObject, RoomMap};
 use super::survey::{Surface, Survey, Tie};
 use crate::geometry::{Point, Ring, perp};
@@ -177,6 +178,13 @@ impl Chart {
             object.contacts = placed(charted);
             object.outline = charted.shown.clone();
         }
+    }
+
+    /// Writes into `map`, which began at `start`, how well it is known.
+    pub fn state_errors(&self, survey: &Survey, start: Point, map: &mut RoomMap) {
+        let ties: Vec<Tie> = self.rings[1..].iter().filter_map(|charted| charted.tie).collect();
+        let judge = Judge { survey, lap_knots: self.lap_knots, start, objects: &ties };
+        map.accuracy = judge.judge(map);
     }
 }
 

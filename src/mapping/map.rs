@@ -1,6 +1,7 @@
 //! The map as far as it is known: contacts, outline, shape, plan and objects, as plain data.
 //! Every phase adds its part; the screen and the exports read it.
 
+use super::accuracy::Accuracy;
 use super::settings::Strategy;
 use super::tape::Taped;
 use crate::geometry::{Point, Pose, Ring, Vector};
@@ -320,6 +321,9 @@ pub struct RoomMap {
     pub hidden_disc: Option<f64>,
     /// Where its centre is.
     pub hidden_at: Option<Point>,
+    /// How well it is known, once there is an outline.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// What a taped length made of the map, if one was given and fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taped: Option<Taped>,

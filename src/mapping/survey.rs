@@ -22,7 +22,7 @@ pub use sight::{Look, Surface};
 
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
@@ -326,6 +326,24 @@ impl Survey {
     fn worst(&self, row: usize) -> f64 {
         let c = |i: usize, j: usize| self.covariance[(row + i, row + j)];
         worse(c(0, 0), c(0, 1), c(1, 1))
+    }
+
+    /// Covariance of the place `point` that hangs on `tie`, x and y, square metres.
+    #[must_use]
+    pub fn spread_at(&self, point: Point, tie: &Tie) -> Matrix2<f64> {
+        let mut rows: [Vec<(usize, f64)>; 2] = [Vec::with_capacity(4), Vec::with_capacity(4)];
+        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
+            let Some(knot) = self.knots.get(index) else { continue };
+            let (start, arm) = (FIRST_KNOT + 3 * index, perp(point - knot.at));
+            rows[0].extend([(start, share), (start + 2, share * arm.x)]);
+            rows[1].extend([(start + 1, share), (start + 2, share * arm.y)]);
+        }
+        Matrix2::from_fn(|i, j| {
+            let terms = rows[i].iter().flat_map(|(k, v)| {
+                rows[j].iter().map(move |(l, w)| self.covariance[(*k, *l)] * v * w)
+            });
+            terms.sum()
+        })
     }
 
     /// One standard deviation of the heading, radians.

@@ -173,6 +173,12 @@ impl Tour {
         survey.touch(pose, seen.point, &surface)
     }
 
+    /// The mapped surfaces and what they hang on.
+    #[must_use]
+    pub fn chart(&self) -> &Chart {
+        &self.chart
+    }
+
     /// Writes the map as the survey now has it.
     pub fn publish(&mut self, survey: &Survey, map: &mut RoomMap) {
         self.chart.refresh(survey);

@@ -98,6 +98,14 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let parts = words::count(shape.parts.len(), "part", "parts");
         rows.push(("", format!("{parts}, {:.1} m²", shape.outline.area()), Role::Text));
     }
+    if let Some(accuracy) = &map.accuracy
+        && let Some((_, worst)) = accuracy.worst_corner()
+    {
+        let mut walls = accuracy.walls.clone();
+        walls.sort_by(f64::total_cmp);
+        let median = words::small(walls.get(walls.len() / 2).copied().unwrap_or(worst));
+        rows.push(("± walls", format!("{median}, corners to {}", words::small(worst)), Role::Text));
+    }
     if let Some(plan) = &map.plan {
         let name = match plan.figures.strategy {
             Strategy::Paper => "paper",

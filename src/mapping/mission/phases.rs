@@ -4,6 +4,7 @@
 use super::{Mission, Outcome, Output, Task};
 use crate::geometry::{Point, Ring};
 use crate::mapping::adjust::{Adjustment, Overlap};
+use crate::mapping::chart::Chart;
 use crate::mapping::circuit::Closure;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::map::{Contact, MappedObject, Phase};
@@ -166,6 +167,8 @@ impl Mission {
         let shape = shape::identify(outline, &self.map.contacts);
         let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
         self.map.shape = Some(shape);
+        let start = self.settings.start.position;
+        Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
         self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
         self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);
         self.phase = Phase::Plan;
@@ -225,6 +228,7 @@ impl Mission {
         } else {
             tour.publish(&self.survey, &mut self.map);
             self.refine();
+            tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
             if let (Some(diameter), Some(at)) = (self.map.hidden_disc, self.map.hidden_at)
                 && diameter > self.settings.alpha + KEPT
             {

@@ -89,15 +89,26 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
-    let starts = [
-        Vector3::zeros(),
-        Vector3::new(shift.x, shift.y, 0.0),
-        Vector3::new(shift.x, shift.y, turn),
-    ];
-    let scatter = scatter(&early);
-    let laid = Laid { early: &early, late: &late, centre, prior, expected, scatter };
-    let mut best = laid.closest(starts[0]);
-    for start in &starts[1..] {
+    let starts = [Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
+    let laid = lay(&early, &late, centre, (prior, expected), &starts);
+    Overlap { misclosure: Misclosure { lap, ..laid.misclosure }, ..laid }
+}
+
+/// How contacts that came `late` lie on a wall known by `early` points: by how much they are off it,
+/// turning about `centre`; what they leave open is left to `prior`, an information matrix with its
+/// right-hand side. The best that is found from `starts` counts.
+#[must_use]
+pub fn lay(
+    early: &[Point],
+    late: &[Point],
+    centre: Point,
+    prior: (Matrix3<f64>, Vector3<f64>),
+    starts: &[Vector3<f64>],
+) -> Overlap {
+    let scatter = scatter(early).max(scatter(late));
+    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, scatter };
+    let mut best = laid.closest(Vector3::zeros());
+    for start in starts {
         let other = laid.closest(*start);
         if other.agreeing > best.agreeing + late.len() / 20 {
             best = other;
@@ -110,8 +121,8 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
         }
     }
     let Fit { found, agreeing, known, normal, right } = best;
-    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap };
-    let (sd, alone) = (deviations(normal + prior), deviations(normal));
+    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap: 0.0 };
+    let (sd, alone) = (deviations(normal + prior.0), deviations(normal));
     let judged = known.max(late.len().div_ceil(2)).max(1);
     let agreement = agreeing as f64 / judged as f64;
     Overlap { misclosure, agreement, known, centre, normal, right, sd, alone }

@@ -9,8 +9,6 @@ use super::map::{Contact, MappedObject, RoomMap};
 use super::survey::{Surface, Survey, Tie};
 use crate::geometry::{Point, Ring, perp};
 
-/// A contact this far from a surface is not of it, metres.
-const FARTHEST: f64 = 0.15;
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
 /// Nearer to the end of a piece than this its normal says nothing, metres.
@@ -100,9 +98,26 @@ impl Chart {
         best
     }
 
-    /// The mapped surface on which a contact lies, away from corners and facing the robot at `from`.
+    /// What is charted, boundary first, as it was before the survey moved it: outline, and what its
+    /// place nearest to `p` hangs on.
+    pub fn nominal<'a>(
+        &'a self,
+        survey: &'a Survey,
+        p: Point,
+    ) -> impl Iterator<Item = (&'a Ring, Tie)> {
+        self.rings.iter().map(move |charted| (&charted.nominal, self.tie(charted, survey, p)))
+    }
+
+    /// The mapped surface, no more than `within` metres away, on which a contact lies: away from
+    /// corners and facing the robot at `from`.
     #[must_use]
-    pub fn surface_at(&self, survey: &Survey, contact: Point, from: Point) -> Option<Surface> {
+    pub fn surface_at(
+        &self,
+        survey: &Survey,
+        contact: Point,
+        from: Point,
+        within: f64,
+    ) -> Option<Surface> {
         let charted = self
             .rings
             .iter()
@@ -110,7 +125,7 @@ impl Chart {
         let foot = charted.shown.nearest(contact)?;
         let piece = charted.shown.pieces[foot.piece];
         let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
-        if foot.distance > FARTHEST || from_corner < CORNER {
+        if foot.distance > within || from_corner < CORNER {
             return None;
         }
         let normal = perp(piece.tangent(foot.t));
@@ -121,7 +136,7 @@ impl Chart {
         let nominal = charted.nominal.pieces[foot.piece].at(foot.t);
         let tie = self.tie(charted, survey, nominal);
         let at = nominal + survey.displacement(nominal, &tie);
-        Some(Surface { at, normal, tie, sd: charted.raggedness(nominal) })
+        Some(Surface { at, normal, tie, sd: charted.raggedness(nominal), within })
     }
 
     fn tie(&self, charted: &Charted, survey: &Survey, nominal: Point) -> Tie {
@@ -225,14 +240,18 @@ mod tests {
     fn a_contact_finds_its_wall_but_not_in_a_corner_nor_askance() {
         let (survey, chart) = room();
         let from = Point::new(2.0, 0.2);
-        let surface = chart.surface_at(&survey, Point::new(2.0, 0.03), from).expect("the wall");
+        let surface =
+            chart.surface_at(&survey, Point::new(2.0, 0.03), from, 0.15).expect("the wall");
         assert!((surface.at - Point::new(2.0, 0.0)).norm() < 1e-9);
         assert!((surface.normal.y.abs() - 1.0).abs() < 1e-9);
         assert!((surface.sd - 0.002).abs() < 1e-9, "{}", surface.sd);
-        assert_eq!(chart.surface_at(&survey, Point::new(0.03, 0.0), Point::new(0.2, 0.2)), None);
+        assert_eq!(
+            chart.surface_at(&survey, Point::new(0.03, 0.0), Point::new(0.2, 0.2), 0.15),
+            None
+        );
         let askance = Point::new(1.0, 0.1);
-        assert_eq!(chart.surface_at(&survey, Point::new(2.0, 0.03), askance), None);
-        assert_eq!(chart.surface_at(&survey, Point::new(2.0, 1.0), from), None);
+        assert_eq!(chart.surface_at(&survey, Point::new(2.0, 0.03), askance, 0.15), None);
+        assert_eq!(chart.surface_at(&survey, Point::new(2.0, 1.0), from, 0.15), None);
     }
 
     #[test]

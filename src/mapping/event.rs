@@ -163,6 +163,13 @@ pub enum EventKind {
         /// The number it would have had.
         id: u32,
     },
+    /// What was met far from any wall is on the map, only elsewhere: the pose was put right.
+    Recognised {
+        /// The object it is; none for the boundary.
+        object: Option<u32>,
+        /// By how much the pose was off, metres.
+        off: f64,
+    },
     /// An object could not be closed.
     ObjectOpen {
         /// Its id.

@@ -9,6 +9,7 @@
 mod bearings;
 mod drive;
 mod line;
+mod recognise;
 mod rounds;
 
 use super::chart::Chart;
@@ -29,7 +30,10 @@ use std::collections::VecDeque;
 
 /// A contact this near to something mapped belongs to it, metres: nothing that stands so near to
 /// it could be gone round for itself.
-const KNOWN: f64 = 0.12;
+const KNOWN: f64 = 0.15;
+/// With a pose that is not sure, standard deviations of it, but no more metres than this.
+const DEVIATIONS: f64 = 2.5;
+const MOST_KNOWN: f64 = 0.5;
 /// What was gone round is something known when this share of its contacts lies on that.
 const SAME: f64 = 0.6;
 /// The centre keeps this beyond the body's radius from everything on a way, metres.
@@ -95,6 +99,14 @@ pub struct Tour {
     bearings_at: f64,
     /// Where the second look of the bearings is taken.
     look_next: Option<Point>,
+    /// When the contact was made that corrected the pose last, microseconds of robot time.
+    fixed_by: Option<u64>,
+}
+
+/// How far from something mapped a contact may be and still be of it, metres: the less is known of
+/// the pose, the farther.
+fn tolerance(survey: &Survey, at: Point) -> f64 {
+    (DEVIATIONS * survey.looseness(at)).clamp(KNOWN, MOST_KNOWN)
 }
 
 impl Tour {
@@ -127,6 +139,7 @@ impl Tour {
             begun: false,
             bearings_at: f64::NEG_INFINITY,
             look_next: None,
+            fixed_by: None,
         }
     }
 
@@ -169,8 +182,11 @@ impl Tour {
         {
             return None;
         }
-        let surface = self.chart.surface_at(survey, seen.point, seen.pose.position)?;
-        survey.touch(pose, seen.point, &surface)
+        let within = tolerance(survey, pose.position);
+        let surface = self.chart.surface_at(survey, seen.point, seen.pose.position, within)?;
+        let fixed = survey.touch(pose, seen.point, &surface)?;
+        self.fixed_by = Some(seen.time_us);
+        Some(fixed)
     }
 
     /// The mapped surfaces and what they hang on.

@@ -114,6 +114,10 @@ impl fmt::Display for EventKind {
             Self::ObjectKnown { id } => {
                 write!(f, "object O{id} is one known already: the pose was put right by it")
             }
+            Self::Recognised { object, off } => {
+                let name = object.map_or_else(|| "the boundary".to_owned(), |id| format!("O{id}"));
+                write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
+            }
             Self::ObjectApart { id } => {
                 write!(f, "object O{id} stands apart: the gap to the wall is too narrow to pass")
             }
@@ -157,6 +161,7 @@ impl EventKind {
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }
             | Self::ObjectKnown { .. }
+            | Self::Recognised { .. }
             | Self::StillHidden { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNowhere

@@ -7,8 +7,6 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 /// A contact about the surface it lies on, metres: jitter of the switch, fit of the wall.
 const CONTACT_SD: f64 = 0.002;
-/// A contact farther than this from a surface is not of it, metres.
-const FARTHEST: f64 = 0.15;
 /// How far off a surface may be before anything is known of it, metres.
 const SURFACE_SD: f64 = 0.3;
 
@@ -24,6 +22,8 @@ pub struct Surface {
     pub tie: Tie,
     /// Standard deviation of the mapped contacts about it, metres: large where it is ragged.
     pub sd: f64,
+    /// A contact farther off than this is not of it, metres.
+    pub within: f64,
 }
 
 /// How far something seen from the lap lies off a surface that may lie anywhere.
@@ -109,7 +109,7 @@ impl Survey {
         let off = normal.dot(&(contact - surface.at));
         let variance = CONTACT_SD.max(surface.sd).powi(2);
         let spread = self.spread(&row) + variance;
-        if off * off > GATE * GATE * spread || off.abs() > FARTHEST {
+        if off * off > GATE * GATE * spread || off.abs() > surface.within {
             return None;
         }
         self.update(&row, -off, variance);

@@ -45,7 +45,8 @@ fn driving_makes_the_pose_less_certain_and_a_touch_more() {
     // A wall across the way, seen 20 mm nearer than it was mapped from the origin.
     let contact = pose.position + Vector::new(0.16, 0.0);
     let at = contact + Vector::new(0.02, 0.0);
-    let surface = Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002 };
+    let surface =
+        Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002, within: 0.15 };
     let fixed = survey.touch(pose, contact, &surface).expect("near enough");
     assert!((fixed.position.x - pose.position.x - 0.02).abs() < 0.005, "{fixed:?}");
     assert!((fixed.position.y - pose.position.y).abs() < 0.002, "the way along the wall is open");
@@ -62,7 +63,8 @@ fn a_contact_that_cannot_be_of_the_surface_is_refused() {
     let pose = drive(&mut survey, Pose::new(0.0, 0.0, 0.0), 0.5, 0.0, 0.0);
     let contact = pose.position + Vector::new(0.16, 0.0);
     let at = contact + Vector::new(0.12, 0.0);
-    let surface = Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002 };
+    let surface =
+        Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002, within: 0.15 };
     let before = survey.clone();
     assert_eq!(survey.touch(pose, contact, &surface), None);
     assert_eq!(survey, before);

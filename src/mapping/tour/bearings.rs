@@ -1,7 +1,8 @@
 //! Taking bearings: when the pose has become uncertain, the robot goes to a corner of the room and
 //! turns there. Its switches then see two walls, and these say where it stands; one wall alone
 //! leaves the way along it open. Then it goes along the longer of them for a metre and turns again:
-//! two looks at one wall, far apart, say how it heads, which one look says badly.
+//! two looks at one wall, far apart, say how it heads, which one look says badly. Where no corner is
+//! near, a straight wall has to do.
 
 use super::drive::Purpose;
 use super::{Drive, ROOM, Scene, Tour};
@@ -20,6 +21,8 @@ const LEAST_WALL: f64 = 0.3;
 /// How far the way to a corner may be, metres, and how much is driven at least between two stops.
 const FARTHEST: f64 = 8.0;
 const BETWEEN: f64 = 6.0;
+/// A pose that is less sure is worth a longer way: metres for a metre of standard deviation.
+const WORTH: f64 = 120.0;
 /// How far apart the two looks at one wall are, metres, and how much of the wall is left beyond.
 const APART: f64 = 1.2;
 const BEYOND: f64 = 0.35;
@@ -28,7 +31,7 @@ const LEAST_APART: f64 = 0.4;
 /// How many of the nearest corners are tried.
 const TRIED: usize = 3;
 
-/// A place in a corner, and one along the longer of its walls.
+/// A place in a corner, or beside a wall, and one along the longer of its walls.
 #[derive(Debug, Clone, Copy)]
 struct Spot {
     at: Point,
@@ -67,6 +70,28 @@ fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Spot> {
         .collect()
 }
 
+/// Where the robot, at a gap from a straight wall of `outline`, can go along it for long enough that
+/// two looks at it say how it heads: beside each, as near to `near` as may be.
+fn beside_walls(outline: &Ring, floor: &Floor, radius: f64, near: Point) -> Vec<Spot> {
+    let room = radius + GAP - 0.01;
+    let straight = outline.pieces.iter().filter(|piece| matches!(piece, Piece::Line { .. }));
+    straight
+        .filter_map(|wall| {
+            let (along, length) = (wall.tangent(0.5), wall.length());
+            let last = length - radius - BEYOND - APART;
+            let first = radius + BEYOND;
+            if last < first {
+                return None;
+            }
+            let share = (near - wall.from()).dot(&along).clamp(first, last);
+            let at = wall.from() + along * share + perp(along) * (radius + GAP);
+            let end = at + along * APART;
+            let clear = floor.is_drivable(at) && floor.is_clear(at, end, room);
+            clear.then_some(Spot { at, along: Some(end) })
+        })
+        .collect()
+}
+
 impl Tour {
     /// A drive to a corner near the robot, when the pose has become too uncertain to go on.
     pub(super) fn bearings(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
@@ -87,12 +112,18 @@ impl Tour {
         let floor = self.floor(at);
         let mut spots = corners(&outline, floor, radius);
         spots.sort_by(|a, b| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
-        let (_, spot) = spots
-            .into_iter()
-            .take(TRIED)
-            .filter_map(|spot| Some((floor.route_length(at, spot.at, radius + ROOM)?, spot)))
-            .filter(|(length, _)| *length < FARTHEST)
-            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut walls = beside_walls(&outline, floor, radius, at);
+        walls.sort_by(|a, b| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
+        let nearest = |spots: Vec<Spot>, farthest: f64| {
+            spots
+                .into_iter()
+                .take(TRIED)
+                .filter_map(|spot| Some((floor.route_length(at, spot.at, radius + ROOM)?, spot)))
+                .filter(|(length, _)| *length < farthest)
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let (_, spot) =
+            nearest(spots, FARTHEST).or_else(|| nearest(walls, FARTHEST.max(sd * WORTH)))?;
         scene.tell.push(EventKind::Bearings { sd });
         self.bearings_at = scene.tracker.travelled();
         self.look_next = spot.along;

@@ -2,7 +2,7 @@
 //! line ends.
 
 use super::drive::{Aim, Drive, Purpose};
-use super::{Doing, KNOWN, MOST_BUMPS, REACHED, ROOM, Scene, Tour, finish};
+use super::{Doing, MOST_BUMPS, REACHED, ROOM, Scene, Tour, finish, tolerance};
 use crate::geometry::{Point, angle};
 use crate::mapping::event::EventKind;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
@@ -22,11 +22,13 @@ impl Tour {
                 if let Some(seen) =
                     self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied()
                 {
+                    let within = tolerance(scene.survey, scene.rest.pose.position);
+                    let fixed = self.fixed_by == Some(seen.time_us);
                     match self.chart.distance(seen.point) {
-                        (distance, None) if distance < KNOWN => {
+                        (distance, None) if fixed || distance < within => {
                             scene.tell.push(EventKind::NearBoundary);
                         }
-                        (distance, Some(_)) if distance < KNOWN => {}
+                        (distance, Some(_)) if fixed || distance < within => {}
                         _ => {
                             let name = self.chassis.sensors[sensor].name.clone();
                             let bearing = self.chassis.sensors[sensor].angle;
@@ -39,7 +41,8 @@ impl Tour {
                 drive.bumps += 1;
                 let seen = self.wall.log().last().copied();
                 if let Some(seen) = seen
-                    && self.chart.distance(seen.point).0 > KNOWN
+                    && self.chart.distance(seen.point).0
+                        > tolerance(scene.survey, scene.rest.pose.position)
                 {
                     return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
                 }

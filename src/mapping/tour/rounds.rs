@@ -59,6 +59,10 @@ impl Tour {
         if self.is_at_boundary(&round.circuit) {
             return self.left_open(round, Failure::WallLost, scene);
         }
+        if self.recognise(&mut round, scene) {
+            self.resume(round.drive);
+            return None;
+        }
         match round.circuit.next(scene.tracker, &scene.rest) {
             Leg::Go(ask) => {
                 round.mark(scene);
@@ -75,7 +79,7 @@ impl Tour {
                     // The pose was off, or it would not have been met as something new.
                     for contact in &contacts {
                         let surface =
-                            self.chart.surface_at(scene.survey, contact.point, contact.from);
+                            self.chart.surface_at(scene.survey, contact.point, contact.from, KNOWN);
                         let fixed = surface.and_then(|surface| {
                             let surface = Surface { sd: surface.sd.max(ROUND_SD), ..surface };
                             scene.survey.touch(scene.tracker.pose(), contact.point, &surface)
@@ -228,10 +232,12 @@ fn here(scene: &mut Scene<'_>) -> Tie {
 #[derive(Debug, Clone)]
 pub(super) struct Round {
     pub(super) circuit: Box<Circuit>,
-    drive: Box<Drive>,
-    id: u32,
+    pub(super) drive: Box<Drive>,
+    pub(super) id: u32,
     /// Where the round began: what is mapped on it hangs on that.
-    begun: Option<Tie>,
+    pub(super) begun: Option<(Tie, Point)>,
+    /// Metres travelled when what it goes round was last compared with the map.
+    pub(super) compared: f64,
     /// Where it came back to its beginning, as far as it looks.
     back: Option<(Tie, Point)>,
 }
@@ -239,7 +245,7 @@ pub(super) struct Round {
 impl Round {
     fn new(chassis: &Chassis, side: Side, wall: Wall, drive: Box<Drive>, id: u32) -> Self {
         let circuit = Box::new(Circuit::new(chassis, side, wall, ROUND_OVERLAP));
-        Self { circuit, drive, id, begun: None, back: None }
+        Self { circuit, drive, id, begun: None, compared: 0.0, back: None }
     }
 
     /// The line it interrupted.
@@ -250,7 +256,7 @@ impl Round {
     /// Keeps the pose in the survey where the round begins, and where it comes back to that.
     fn mark(&mut self, scene: &mut Scene<'_>) {
         if self.begun.is_none() && self.circuit.first_anchor().is_some() {
-            self.begun = Some(here(scene));
+            self.begun = Some((here(scene), scene.tracker.pose().position));
         }
         if !self.circuit.looks_closed() {
             self.back = None;
@@ -262,11 +268,11 @@ impl Round {
     /// Lays the end of the round on its beginning, which corrects the pose; what its contacts hang
     /// on.
     fn close(&self, overlap: &Overlap, scene: &mut Scene<'_>) -> Tie {
-        if let (Some(begun), Some((back, at))) = (&self.begun, &self.back) {
+        if let (Some((begun, _)), Some((back, at))) = (&self.begun, &self.back) {
             overlap.close(scene.survey, begun, back, *at);
             scene.tracker.correct(scene.survey.take_pose(scene.tracker.pose()));
         }
-        self.begun.unwrap_or_else(|| here(scene))
+        self.begun.map_or_else(|| here(scene), |(tie, _)| tie)
     }
 }
 

@@ -202,7 +202,7 @@ pub enum ExportFormat {
     Svg,
     /// `map.png`.
     Png,
-    /// A ROS map.
+    /// A ROS map: YAML, with its picture (PGM) beside it.
     Ros,
 }
 

@@ -9,6 +9,7 @@ pub mod picture;
 pub mod png;
 pub mod rectangle;
 pub mod report;
+pub mod ros;
 pub mod strokes;
 pub mod svg;
 pub mod truth;

@@ -75,12 +75,6 @@ fn what_is_missing_is_named() {
 }
 
 #[test]
-fn what_this_version_does_not_have_is_said_plainly() {
-    let none = "is not in this version";
-    refused(&["export", "a", "--format", "ros", "--out", "b"], &["ros", none]);
-}
-
-#[test]
 fn a_taped_length_that_is_none_is_refused() {
     let run = ["run", "--world", "a", "--out", "x", "--tape"];
     for bad in ["5.02", "0,0:1,0", "0,0:1,0=-3", "0,0:1,0=far"] {
@@ -150,6 +144,20 @@ fn export_hands_over_what_a_run_left() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(fs::read_to_string(&out).expect("the copy"), "<svg/>");
     refused(&["export", from, "--format", "png", "--out", to], &["map.png", "finished run"]);
+    refused(&["export", from, "--format", "ros", "--out", to], &["map.json", "finished run"]);
+    let square = r#"{"periplus_map":1,"name":"a room","alpha":0.25,"gap":0.34,"start":[1,1,0],
+        "boundary":[[0,0],[2,0],[2,2],[0,2]]}"#;
+    fs::write(dir.join("map.json"), square).expect("a result");
+    let (yaml, picture) = (dir.join("room.yaml"), dir.join("room.pgm"));
+    refused(
+        &["export", from, "--format", "ros", "--out", picture.to_str().expect("a path")],
+        &["room.yaml"],
+    );
+    let to = yaml.to_str().expect("a path");
+    let output = periplus(&["export", from, "--format", "ros", "--out", to]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(fs::read_to_string(&yaml).expect("the YAML").starts_with("image: room.pgm\n"));
+    assert!(fs::read(&picture).expect("the picture").starts_with(b"P5\n"));
 }
 
 #[test]

@@ -5,14 +5,6 @@ use std::path::PathBuf;
 /// Why the arguments cannot be followed.
 #[derive(Debug, thiserror::Error)]
 pub enum ArgumentError {
-    /// The contract of the command line knows it; this version does not have it.
-    #[error("{what} is not in this version of periplus: {instead}")]
-    Absent {
-        /// The command or flag.
-        what: &'static str,
-        /// What to do instead, or what is missing.
-        instead: &'static str,
-    },
     /// A flag that the command cannot do without.
     #[error("`periplus {command}` needs {flag}")]
     Missing {
@@ -54,10 +46,4 @@ pub enum ArgumentError {
         /// The key, and what is wrong.
         problem: String,
     },
-}
-
-impl ArgumentError {
-    pub(crate) fn absent(what: &'static str, instead: &'static str) -> Self {
-        Self::Absent { what, instead }
-    }
 }

@@ -64,6 +64,8 @@ pub struct Closure {
     /// Drift of the gyro that has to be taken out of all that was driven, radians per second: the
     /// places above are without it.
     pub drift: f64,
+    /// Odometer where its last round began, metres: `from`'s, unless it closed on a later round only.
+    pub last_round: f64,
 }
 
 impl Closure {
@@ -95,10 +97,14 @@ pub enum Leg {
 const BEGINNING: f64 = 1.2;
 /// No lap is shorter, metres.
 const SHORTEST_LAP: f64 = 0.5;
+/// Rounds of one lap are alike in length to this share.
+const ROUNDS_ALIKE: f64 = 0.03;
+/// No lap has as many rounds.
+const MOST_ROUNDS: f64 = 5.0;
 /// A lap longer than this will not close any more, metres.
 const LONGEST_LAP: f64 = 2000.0;
 /// On shorter laps no drift of the gyro leads astray, metres.
-const DRIFTING: f64 = 20.0;
+const DRIFTING: f64 = 6.0;
 /// A lap without its drift ends facing this near to where it began, radians: following a wall turns
 /// the robot to and fro.
 const FACING: f64 = 0.17;
@@ -267,7 +273,8 @@ impl Circuit {
         let doubled: f64 = (0..path.len())
             .map(|k| {
                 let (a, b) = (path[k].1, path[(k + 1) % path.len()].1);
-                cross(a - anchor.pose.position, b - anchor.pose.position)
+                let origin = anchor.pose.position;
+                cross(a - origin, b - origin)
             })
             .sum();
         if doubled < 0.0 { -1.0 } else { 1.0 }
@@ -348,6 +355,38 @@ impl Circuit {
         Verdict::Closed(closure, Box::new(overlap))
     }
 
+    /// Where the last round of a lap began, when it closed on a later round only: all along that and
+    /// the round before, the robot came by the same places.
+    fn last_round(&self, from: &Anchor, to: &Anchor) -> f64 {
+        let lap = to.travelled - from.travelled;
+        let near = 0.25 + 0.004 * lap;
+        let alike = |travelled: f64| {
+            let round = to.travelled - travelled;
+            let rounds = lap / round.max(lap / MOST_ROUNDS);
+            let count = rounds.round();
+            let whole = (2.0..MOST_ROUNDS).contains(&count)
+                && (rounds - count).abs() < ROUNDS_ALIKE * count;
+            whole
+                && [0.0, 0.2, 0.4, 0.6, 0.8].iter().all(|share| {
+                    let (now, then) = (to.travelled - share * round, travelled - share * round);
+                    self.place(now)
+                        .zip(self.place(then))
+                        .is_some_and(|(a, b)| (a - b).norm() < near)
+                })
+        };
+        let places = self.trail.iter().map(|(travelled, _)| *travelled).filter(|at| alike(*at));
+        places.fold(from.travelled, f64::max)
+    }
+
+    /// Where the robot was when it had travelled that far.
+    fn place(&self, travelled: f64) -> Option<Point> {
+        let after = self.trail.partition_point(|(at, _)| *at < travelled);
+        let (late, there) = self.trail.get(after)?;
+        let (early, here) = self.trail.get(after.checked_sub(1)?)?;
+        let share = (travelled - early) / (late - early).max(1e-9);
+        Some(here + (there - here) * share)
+    }
+
     /// The lap without a drift of `rate`, and its end laid on its beginning.
     fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> (Closure, Overlap) {
         let unwound = (rate != 0.0).then(|| Unwound::new(tracker.path(), rate));
@@ -361,7 +400,9 @@ impl Circuit {
         }
         let turned = angle::wrap(to.pose.heading - from.pose.heading);
         to.heading = from.heading + turned + angle::TAU * candidate.sense;
-        let closure = Closure { from, to, side: self.follower.side(), drift: rate };
+        let last_round = self.last_round(&from, &to);
+        let side = self.follower.side();
+        let closure = Closure { from, to, side, drift: rate, last_round };
         let traverse = Traverse::along(path, tracker.resolution(), &closure, from.time_us);
         let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)

@@ -295,7 +295,7 @@ pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> 
         .iter()
         .filter(|seen| seen.alive && towards(seen))
         .filter(|seen| {
-            seen.travelled > closure.from.travelled - 0.02
+            seen.travelled > closure.last_round - 0.02
                 && seen.travelled <= closure.to.travelled + 0.1
         })
         .map(|seen| {

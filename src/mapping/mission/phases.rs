@@ -23,6 +23,9 @@ const LOPSIDED: f64 = 0.31;
 /// The promise counts as kept when no disc wider than α and this may hide, metres.
 const KEPT: f64 = 0.01;
 
+/// Places of the way that are looked at, at most.
+const MOST_LOOKED_AT: usize = 500;
+
 /// A taped length is laid on the map at most so often; each time the outline is fitted anew.
 const TAPINGS: u32 = 4;
 
@@ -163,6 +166,9 @@ impl Mission {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
         };
+        if !self.encloses_the_lap(&outline) {
+            return self.fail(Failure::OutlineBroken, out);
+        }
         let outline = self.set_apart(outline, out);
         let shape = shape::identify(outline, &self.map.contacts);
         let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
@@ -174,6 +180,17 @@ impl Mission {
         self.phase = Phase::Plan;
         self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
         self.task = Task::Plan;
+    }
+
+    /// Whether most of the robot's way lies within `outline`: one that leaves it out is not where it
+    /// drove.
+    fn encloses_the_lap(&self, outline: &Ring) -> bool {
+        let path = self.tracker.path();
+        let looked_at = path.iter().step_by((path.len() / MOST_LOOKED_AT).max(1));
+        let (inside, all) = looked_at.fold((0, 0), |(inside, all), point| {
+            (inside + usize::from(outline.contains(point.pose.position)), all + 1)
+        });
+        inside * 2 >= all
     }
 
     /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.

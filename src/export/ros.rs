@@ -1,0 +1,125 @@
+//! The map as ROS reads it: a grid of free, occupied and unknown cells as a PGM picture, with a YAML
+//! file that says where it lies (the format of `map_server`, wiki.ros.org/map_server).
+//!
+//! Occupied is what the robot touched or what lies behind it in an object; free is the floor within
+//! the boundary; everything beyond the walls is unknown, since nobody was there.
+
+use super::native::MapFile;
+use crate::geometry::raster::{Grid, Nearest, inside};
+use crate::geometry::{Point, Ring, Segment};
+
+/// Pitch of the grid, metres: finer than the 5 cm of lidar maps, since touch is.
+const CELL: f64 = 0.02;
+/// Unknown cells around it, metres.
+const MARGIN: f64 = 0.2;
+/// Arcs are cut into chords within this, metres.
+const SAGITTA: f64 = 0.001;
+
+/// Grey of the three kinds of cells.
+const FREE: u8 = 254;
+const OCCUPIED: u8 = 0;
+const UNKNOWN: u8 = 205;
+
+/// The two files of a ROS map.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RosMap {
+    /// Text of the YAML file.
+    pub yaml: String,
+    /// The picture, PGM (P5), first row at the top.
+    pub pgm: Vec<u8>,
+}
+
+/// The ROS map of `map`, whose picture will be called `image`; none while the boundary is open.
+#[must_use]
+pub fn write(map: &MapFile, image: &str) -> Option<RosMap> {
+    let boundary = map.boundary.as_ref()?.ring();
+    let objects: Vec<Ring> = map.objects.iter().map(|object| object.outline.ring()).collect();
+    let (low, high) = boundary.bounds()?;
+    let grid = Grid::over(low, high, CELL, MARGIN);
+    let mut cells = vec![UNKNOWN; grid.len()];
+    let walls = segments(&boundary);
+    paint(&mut cells, &inside(&grid, &walls), FREE);
+    let mut surfaces = walls;
+    for object in &objects {
+        let outline = segments(object);
+        paint(&mut cells, &inside(&grid, &outline), OCCUPIED);
+        surfaces.extend(outline);
+    }
+    let near = Nearest::new(&grid, &surfaces);
+    let half = (CELL / 2.0) as f32;
+    let touched: Vec<bool> = near.squared.iter().map(|square| *square <= half * half).collect();
+    paint(&mut cells, &touched, OCCUPIED);
+    Some(RosMap { yaml: yaml(image, &grid), pgm: pgm(&grid, &cells) })
+}
+
+fn segments(ring: &Ring) -> Vec<Segment> {
+    crate::geometry::segment::chords(ring, SAGITTA)
+}
+
+fn paint(cells: &mut [u8], mask: &[bool], grey: u8) {
+    for (cell, _) in cells.iter_mut().zip(mask).filter(|(_, on)| **on) {
+        *cell = grey;
+    }
+}
+
+fn yaml(image: &str, grid: &Grid) -> String {
+    // The origin is the lower left corner of the lower left cell.
+    let Point { coords, .. } = grid.origin;
+    let (x, y) = (coords.x - CELL / 2.0, coords.y - CELL / 2.0);
+    format!(
+        "image: {image}\nresolution: {CELL}\norigin: [{x:.4}, {y:.4}, 0.0]\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+}
+
+fn pgm(grid: &Grid, cells: &[u8]) -> Vec<u8> {
+    let mut bytes = format!("P5\n{} {}\n255\n", grid.width, grid.height).into_bytes();
+    for row in cells.chunks(grid.width).rev() {
+        bytes.extend_from_slice(row);
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    /// Grey at a place, read back as `map_server` would.
+    fn grey(map: &RosMap, x: f64, y: f64) -> u8 {
+        let origin = map.yaml.lines().find(|line| line.starts_with("origin")).expect("an origin");
+        let numbers: Vec<f64> = origin
+            .trim_start_matches("origin: [")
+            .trim_end_matches(']')
+            .split(", ")
+            .map(|number| number.parse().expect("a number"))
+            .collect();
+        let header = String::from_utf8_lossy(&map.pgm[..20]).into_owned();
+        let size: Vec<usize> =
+            header.split_whitespace().skip(1).take(2).map(|n| n.parse().expect("size")).collect();
+        let (column, row) =
+            (((x - numbers[0]) / CELL) as usize, ((y - numbers[1]) / CELL) as usize);
+        let picture = &map.pgm[map.pgm.len() - size[0] * size[1]..];
+        picture[(size[1] - 1 - row) * size[0] + column]
+    }
+
+    #[test]
+    fn floor_is_free_walls_and_objects_are_occupied_and_beyond_nobody_knows() {
+        let file = MapFile::of(&sample::room().record());
+        let map = write(&file, "room.pgm").expect("closed");
+        assert!(map.yaml.starts_with("image: room.pgm\nresolution: 0.02\n"), "{}", map.yaml);
+        assert_eq!(grey(&map, 0.5, 0.5), FREE);
+        assert_eq!(grey(&map, 0.001, 1.5), OCCUPIED, "the left wall");
+        assert_eq!(grey(&map, 2.65, 0.95), OCCUPIED, "inside the box");
+        // The upper right corner is rounded off.
+        assert_eq!(grey(&map, 3.95, 2.95), UNKNOWN);
+        assert_eq!(grey(&map, -0.1, 1.5), UNKNOWN);
+    }
+
+    #[test]
+    fn an_open_boundary_makes_no_map() {
+        let mut sample = sample::room();
+        sample.map.closed = false;
+        assert_eq!(write(&MapFile::of(&sample.record()), "room.pgm"), None);
+    }
+}

@@ -34,6 +34,9 @@ pub struct Overlap {
     /// misclosure is taken out, 0 to 1, of those (at least half of all) beside which walls were
     /// seen. Low when this is another place that only looks near.
     pub agreement: f64,
+    /// Share of all of the overlap's contacts that fall on walls seen at the beginning: what is new
+    /// there counts against it.
+    pub share: f64,
     /// Contacts of the overlap beside which walls were seen at the beginning: what `agreement` rests
     /// on.
     pub known: usize,
@@ -125,7 +128,8 @@ pub fn lay(
     let (sd, alone) = (deviations(normal + prior.0), deviations(normal));
     let judged = known.max(late.len().div_ceil(2)).max(1);
     let agreement = agreeing as f64 / judged as f64;
-    Overlap { misclosure, agreement, known, centre, normal, right, sd, alone }
+    let share = agreeing as f64 / late.len().max(1) as f64;
+    Overlap { misclosure, agreement, share, known, centre, normal, right, sd, alone }
 }
 
 /// Standard deviations of the position in its worse direction (metres) and of the heading (radians)

@@ -97,6 +97,8 @@ pub enum Leg {
 const BEGINNING: f64 = 1.2;
 /// No lap is shorter, metres.
 const SHORTEST_LAP: f64 = 0.5;
+/// A round from a later place is at least this share of all that was driven since the beginning.
+const ROUND_AT_LEAST: f64 = 0.3;
 /// Rounds of one lap are alike in length to this share.
 const ROUNDS_ALIKE: f64 = 0.03;
 /// No lap has as many rounds.
@@ -111,7 +113,8 @@ const FACING: f64 = 0.17;
 
 /// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
 const AGREEMENT: f64 = 0.55;
-const FREE_AGREEMENT: f64 = 0.75;
+const FREE_AGREEMENT: f64 = 0.85;
+const FREE_SHARE: f64 = 0.6;
 /// Contacts of the overlap that must have something to lie on before that is judged.
 const EVIDENCE: usize = 4;
 /// The overlap is driven on until the misclosure is known to this (metres, radians), ...
@@ -121,6 +124,8 @@ const HEADING_ENOUGH: f64 = 0.003;
 /// corners tell the place from others like it, known to this.
 const MOST_OVERLAP: f64 = 4.0;
 const MOST_FREE_OVERLAP: f64 = 25.0;
+/// ... and this share of the lap has to be driven again: mazes look alike for long.
+const FREE_OVERLAP: f64 = 0.1;
 const FREE_POSITION: f64 = 0.02;
 /// Crossings that are looked into at the same time, and headings nearer to each other than this are
 /// of one.
@@ -289,7 +294,12 @@ impl Circuit {
             return;
         }
         let all = self.drifts.all();
-        let found = best(&self.passed, all.iter().filter(|one| one.rate == 0.0), now.travelled)
+        // A round from a place where it only looked closed is not much shorter than from the beginning.
+        let round = |place: &&Anchor| {
+            now.travelled - place.travelled > ROUND_AT_LEAST * (now.travelled - first.travelled)
+        };
+        let passed: Vec<Anchor> = self.passed.iter().filter(round).copied().collect();
+        let found = best(&passed, all.iter().filter(|one| one.rate == 0.0), now.travelled)
             .or_else(|| {
                 best(&self.anchors, all.iter().filter(|one| one.rate == 0.0), now.travelled)
             })
@@ -339,10 +349,12 @@ impl Circuit {
             self.candidates[index].overlap = driven + 0.2;
             return Verdict::More;
         }
-        if overlap.agreement < least || (all && free && !enough) {
+        let unlike = free && (overlap.share < FREE_SHARE || (all && !enough));
+        if overlap.agreement < least || unlike {
             return Verdict::Another;
         }
-        if !enough && !all {
+        let far = !free || driven > (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP);
+        if !(enough && far || all) {
             self.candidates[index].overlap = driven + 0.2;
             return Verdict::More;
         }
@@ -440,7 +452,8 @@ fn crossing(anchor: &Anchor, step: &Drifting, travelled: f64) -> Option<Crossing
     }
     let behind = anchor.pose.to_local(step.before.position);
     let past = anchor.pose.to_local(step.now.position);
-    if behind.x >= 0.0 || past.x < 0.0 {
+    // The step that began at the anchor does not cross its line, whatever rounding says.
+    if behind.x > -1e-6 || past.x < 0.0 {
         return None;
     }
     let share = behind.x / (behind.x - past.x);

@@ -25,8 +25,12 @@ const LONGEST_NECK: f64 = 0.2;
 const SURE: f64 = 0.04;
 /// Nothing smaller than this is cut off, square metres.
 const SMALLEST: f64 = 8e-4;
+/// What is thinner than this is no thing, metres.
+const THINNEST: f64 = 0.006;
 /// Nothing larger than this share of the room is cut off.
 const LARGEST: f64 = 0.25;
+/// Cuts at most.
+const MOST_CUTS: u32 = 20;
 /// Islands of more pieces than this are not searched for rounds.
 const MOST_PIECES: usize = 120;
 /// Chords stand for arcs within this, metres.
@@ -40,11 +44,16 @@ pub fn islands(outline: Ring, contacts: &[Contact], widest: f64) -> (Ring, Vec<R
         contacts.iter().filter(|c| c.kind != ContactKind::Edge).map(|c| c.point).collect();
     let mut outline = outline;
     let mut found = Vec::new();
-    while found.len() < 20
+    let mut cuts = 0;
+    while cuts < MOST_CUTS
         && let Some((rest, island)) = cut(&outline, &touched, widest)
     {
         outline = rest;
-        found.push(island);
+        cuts += 1;
+        // What is thinner than that is a corner that was touched unevenly, and nothing standing there.
+        if 2.0 * island.area().abs() > THINNEST * island.perimeter() {
+            found.push(island);
+        }
     }
     (outline, found)
 }

@@ -10,6 +10,7 @@ pub mod drift;
 pub mod event;
 pub mod floor;
 pub mod follow;
+pub mod lay;
 pub mod map;
 pub mod mission;
 pub mod odometry;

@@ -64,10 +64,14 @@ struct Boundary {
 /// Standard errors in the map frame, metres.
 #[derive(Serialize)]
 struct ErrorFigures {
-    wall_median_m: f64,
-    wall_worst_m: f64,
-    corner_median_m: f64,
-    corner_worst_m: f64,
+    walls: Spread,
+    corners: Spread,
+}
+
+#[derive(Serialize)]
+struct Spread {
+    median_m: f64,
+    worst_m: f64,
 }
 
 /// What a taped length made of the map.
@@ -192,11 +196,10 @@ fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {
     let of = |all: &[f64]| {
         let mut sorted = all.to_vec();
         sorted.sort_by(f64::total_cmp);
-        Some((rounded(*sorted.get(sorted.len() / 2)?, 4), rounded(*sorted.last()?, 4)))
+        let (median, worst) = (*sorted.get(sorted.len() / 2)?, *sorted.last()?);
+        Some(Spread { median_m: rounded(median, 4), worst_m: rounded(worst, 4) })
     };
-    let (wall_median_m, wall_worst_m) = of(&accuracy.walls)?;
-    let (corner_median_m, corner_worst_m) = of(&accuracy.corners)?;
-    Some(ErrorFigures { wall_median_m, wall_worst_m, corner_median_m, corner_worst_m })
+    Some(ErrorFigures { walls: of(&accuracy.walls)?, corners: of(&accuracy.corners)? })
 }
 
 fn misclosure(off: &Misclosure) -> MisclosureFigures {
@@ -292,6 +295,8 @@ mod tests {
             "/boundary/misclosure/dy_m",
             "/boundary/misclosure/heading_deg",
             "/boundary/misclosure/ratio",
+            "/boundary/standard_error/walls/median_m",
+            "/boundary/standard_error/corners/worst_m",
             "/shape/class",
             "/shape/vertices",
             "/shape/parts/0/class",
@@ -311,6 +316,7 @@ mod tests {
             "/objects/0/width_m",
             "/objects/0/length_m",
             "/objects/0/area_m2",
+            "/objects/0/standard_error_m",
             "/passable_gap_m",
             "/bumps",
             "/contact_m",

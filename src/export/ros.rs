@@ -1,5 +1,5 @@
 //! The map as ROS reads it: a grid of free, occupied and unknown cells as a PGM picture, with a YAML
-//! file that says where it lies (the format of `map_server`, wiki.ros.org/map_server).
+//! file that says where it lies (the format of ROS' `map_server`).
 //!
 //! Occupied is what the robot touched or what lies behind it in an object; free is the floor within
 //! the boundary; everything beyond the walls is unknown, since nobody was there.

@@ -167,7 +167,7 @@ mod tests {
             time: 0.0,
         };
         let seen = |count: u32, off: f64| {
-            let sign = |k: u32| if k % 2 == 0 { off } else { -off };
+            let sign = |k: u32| if k.is_multiple_of(2) { off } else { -off };
             let contacts: Vec<Contact> = (0..count).map(|k| contact(k, sign(k))).collect();
             fit(&piece, &contacts).middle.sqrt()
         };

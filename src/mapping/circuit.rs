@@ -9,15 +9,18 @@
 //! about on the spot, and which way round it did so says nothing of the wall. That sense tells
 //! inside from outside.
 
-use super::adjust::{Overlap, Traverse, measure};
-use super::drift::{Drifting, Drifts, Unwound};
+mod crossing;
+
+use super::adjust::{Traverse, measure};
+use super::drift::{Drifts, Unwound};
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
-use super::map::Misclosure;
+use super::lay::Overlap;
 use super::odometry::Tracker;
 use super::wall::{Sighting, Wall};
-use crate::geometry::{Point, Pose, angle, cross, rotate};
+use crate::geometry::{Point, Pose, angle, cross};
 use crate::robot::Chassis;
+use crossing::{Crossing, best};
 use std::borrow::Cow;
 
 /// A place early in the lap at which it may close.
@@ -107,10 +110,6 @@ const MOST_ROUNDS: f64 = 5.0;
 const LONGEST_LAP: f64 = 2000.0;
 /// On shorter laps no drift of the gyro leads astray, metres.
 const DRIFTING: f64 = 6.0;
-/// A lap without its drift ends facing this near to where it began, radians: following a wall turns
-/// the robot to and fro.
-const FACING: f64 = 0.17;
-
 /// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
 const AGREEMENT: f64 = 0.55;
 const FREE_AGREEMENT: f64 = 0.85;
@@ -147,26 +146,6 @@ struct Candidate {
     seconds: f64,
     /// Metres to drive beyond it before it is looked at.
     overlap: f64,
-}
-
-impl Misclosure {
-    /// What odometry was off by in all, of a lap from which a drift was taken out: that, and what was
-    /// left of it.
-    fn with(self, wound: &(Anchor, Anchor), closure: &Closure) -> Self {
-        let of = |from: &Anchor, to: &Anchor| {
-            (to.pose.position - from.pose.position, to.pose.heading - from.pose.heading)
-        };
-        let (way, turn) = of(&wound.0, &wound.1);
-        let (unwound_way, unwound_turn) = of(&closure.from, &closure.to);
-        let back = angle::wrap(wound.0.pose.heading - closure.from.pose.heading);
-        let off = way - rotate(unwound_way, back);
-        Self {
-            dx: self.dx + off.x,
-            dy: self.dy + off.y,
-            heading: self.heading + angle::wrap(turn - unwound_turn),
-            ..self
-        }
-    }
 }
 
 /// What looking at a candidate says.
@@ -420,53 +399,3 @@ impl Circuit {
         (closure, overlap)
     }
 }
-
-/// A crossing of the line through a place near the beginning.
-#[derive(Debug, Clone, Copy)]
-struct Crossing {
-    from: Anchor,
-    rate: f64,
-    /// Where on the step, 0 to 1.
-    share: f64,
-    /// How unlikely it is to be the end of the lap.
-    cost: f64,
-}
-
-/// Of all crossings of a line through one of `anchors`, for any of `drifts`, the one that is the most
-/// likely end of the lap; the robot has driven `travelled` metres by now.
-fn best<'a>(
-    anchors: &[Anchor],
-    drifts: impl Iterator<Item = &'a Drifting>,
-    travelled: f64,
-) -> Option<Crossing> {
-    drifts
-        .flat_map(|one| anchors.iter().filter_map(|from| crossing(from, one, travelled)))
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-}
-
-/// Whether the last step closes the lap that began at `anchor`, if the gyro drifts like that.
-fn crossing(anchor: &Anchor, step: &Drifting, travelled: f64) -> Option<Crossing> {
-    let lap = travelled - anchor.travelled;
-    if lap < SHORTEST_LAP {
-        return None;
-    }
-    let behind = anchor.pose.to_local(step.before.position);
-    let past = anchor.pose.to_local(step.now.position);
-    // The step that began at the anchor does not cross its line, whatever rounding says.
-    if behind.x > -1e-6 || past.x < 0.0 {
-        return None;
-    }
-    let share = behind.x / (behind.x - past.x);
-    let lateral = behind.y + (past.y - behind.y) * share;
-    let heading = step.before.heading + angle::wrap(step.now.heading - step.before.heading) * share;
-    let turned = angle::wrap(heading - anchor.pose.heading).abs();
-    // Wide enough for the drift of a long lap; whether it is the same place the overlap decides.
-    let gate = (0.05 + 0.004 * lap).min(0.4);
-    let facing = if step.rate == 0.0 { (25.0 + 0.1 * lap).min(40.0).to_radians() } else { FACING };
-    let cost = (turned / FACING).powi(2) + (lateral / gate).powi(2) + (step.rate / LIKELY).powi(2);
-    let near = lateral.abs() < gate && turned < facing;
-    near.then_some(Crossing { from: *anchor, rate: step.rate, share, cost })
-}
-
-/// What a gyro is likely to drift, radians per second (20 degrees an hour).
-const LIKELY: f64 = 1.0e-4;

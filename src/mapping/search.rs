@@ -1,11 +1,12 @@
 //! The Boundary phase (paper III.C): pick a direction, drive until something is met, go round it;
 //! if that was an object, pick another direction, until it was the boundary.
 
-use super::adjust::{Adjustment, Overlap};
+use super::adjust::Adjustment;
 use super::circuit::{Circuit, Closure, Leg};
 use super::drift::Unwound;
 use super::event::{EventKind, Failure};
 use super::follow::{Ask, AtRest, STRIDE, Side};
+use super::lay::Overlap;
 use super::map::{Contact, MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};

@@ -258,7 +258,7 @@ impl Tour {
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
             Doing::Choosing => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
-                drive
+                *drive
             }
             Doing::Rounding(round) => round.into_drive(),
         };

@@ -60,6 +60,11 @@ impl fmt::Display for ShapeClass {
     }
 }
 
+fn recognised(f: &mut fmt::Formatter<'_>, object: Option<u32>, off: f64) -> fmt::Result {
+    let name = object.map_or_else(|| "the boundary".to_owned(), |id| format!("O{id}"));
+    write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
+}
+
 impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -114,10 +119,7 @@ impl fmt::Display for EventKind {
             Self::ObjectKnown { id } => {
                 write!(f, "object O{id} is one known already: the pose was put right by it")
             }
-            Self::Recognised { object, off } => {
-                let name = object.map_or_else(|| "the boundary".to_owned(), |id| format!("O{id}"));
-                write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
-            }
+            Self::Recognised { object, off } => recognised(f, *object, *off),
             Self::ObjectApart { id } => {
                 write!(f, "object O{id} stands apart: the gap to the wall is too narrow to pass")
             }

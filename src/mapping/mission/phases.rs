@@ -3,10 +3,11 @@
 
 use super::{Mission, Outcome, Output, Task};
 use crate::geometry::{Point, Ring};
-use crate::mapping::adjust::{Adjustment, Overlap};
+use crate::mapping::adjust::Adjustment;
 use crate::mapping::chart::Chart;
 use crate::mapping::circuit::Closure;
 use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, MappedObject, Phase};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::search::{Next, Search, lap_contacts};

@@ -5,8 +5,8 @@
 use super::rounds::Round;
 use super::{Scene, Tour};
 use crate::geometry::{Point, Ring, angle};
-use crate::mapping::adjust::{Overlap, lay};
 use crate::mapping::event::EventKind;
+use crate::mapping::lay::{Overlap, lay};
 use crate::mapping::map::ContactKind;
 use nalgebra::{Matrix3, Vector3};
 

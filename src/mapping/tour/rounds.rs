@@ -4,10 +4,11 @@
 use super::drive::Drive;
 use super::{Doing, KNOWN, MOST_LEFT_OPEN, SAME, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
-use crate::mapping::adjust::{Adjustment, Overlap};
+use crate::mapping::adjust::Adjustment;
 use crate::mapping::circuit::{Circuit, Leg};
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
+use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::lap_contacts;
@@ -249,8 +250,8 @@ impl Round {
     }
 
     /// The line it interrupted.
-    pub(super) fn into_drive(self) -> Box<Drive> {
-        self.drive
+    pub(super) fn into_drive(self) -> Drive {
+        *self.drive
     }
 
     /// Keeps the pose in the survey where the round begins, and where it comes back to that.

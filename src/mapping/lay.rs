@@ -1,0 +1,272 @@
+//! How one look at a wall lies on another: contacts that came late, laid on those that came first, or
+//! on an outline, as closely as they will go (iterated closest points, point to line). What does not
+//! fit is by how much the pose was off between the two.
+
+use super::map::Misclosure;
+use super::survey::{Survey, Tie};
+use super::wall::Stretch;
+use crate::geometry::fit::Moments;
+use crate::geometry::{Point, Vector, perp, rotate};
+use nalgebra::{Matrix3, Vector3};
+
+/// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
+const CONTACT_SD: f64 = 0.005;
+
+/// A direction (metres, radians) is seen when it moves a contact off its wall by at least this
+/// share of itself, root mean square: above what tangents through few contacts scatter by.
+const LEAST_SLOPE: f64 = 0.05;
+
+/// Distance of the starts in a direction that the overlap leaves open, metres.
+const OPEN_STEP: f64 = 0.04;
+
+/// Contacts that lie this close about a line or circle are one wall, metres; more when they scatter.
+const STRAIGHT: f64 = 0.003;
+/// A contact this near to another, or to a wall, is of it, metres; likewise.
+const BESIDE: f64 = 0.012;
+const ON_IT: f64 = 0.008;
+/// Contacts of one wall scatter no more than this about it, metres: what does is ragged.
+const MOST_SCATTER: f64 = 0.006;
+/// How far around a contact its wall is looked for, metres: sparse on long straight walls.
+const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
+
+/// What the overlap says of a lap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// How far odometry is off.
+    pub misclosure: Misclosure,
+    /// Share of the overlap's contacts that fall on walls seen at the beginning once the
+    /// misclosure is taken out, 0 to 1, of those (at least half of all) beside which walls were
+    /// seen. Low when this is another place that only looks near.
+    pub agreement: f64,
+    /// Share of all of the overlap's contacts that fall on walls seen at the beginning: what is new
+    /// there counts against it.
+    pub share: f64,
+    /// Contacts of the overlap beside which walls were seen at the beginning: what `agreement` rests
+    /// on.
+    pub known: usize,
+    /// What the overlap alone says: normal matrix and right-hand side of (dx, dy, heading), the
+    /// heading turning about `centre`.
+    centre: Point,
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+    /// Standard deviations of the misclosure in its worse direction (metres) and heading (radians).
+    pub sd: (f64, f64),
+    /// The same without what wheels and gyro lead to expect.
+    pub alone: (f64, f64),
+}
+
+impl Overlap {
+    /// Tells `survey` that knot `late`, at `at`, lies on the place of knot `early`, a lap before, but
+    /// for what the overlap measured.
+    pub fn close(&self, survey: &mut Survey, early: &Tie, late: &Tie, at: Point) {
+        let arm = perp(self.centre - at);
+        let mut moved = Matrix3::identity();
+        moved[(0, 2)] = arm.x;
+        moved[(1, 2)] = arm.y;
+        let about = moved.transpose();
+        survey.close(early, late, &(about * self.normal * moved), &(about * self.right));
+    }
+}
+
+/// How contacts that came `late` lie on a wall known by `early` points: by how much they are off it,
+/// turning about `centre`; what they leave open is left to `prior`, an information matrix with its
+/// right-hand side. The best that is found from `starts` counts.
+#[must_use]
+pub fn lay(
+    early: &[Point],
+    late: &[Point],
+    centre: Point,
+    prior: (Matrix3<f64>, Vector3<f64>),
+    starts: &[Vector3<f64>],
+) -> Overlap {
+    let scatter = scatter(early).max(scatter(late));
+    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, scatter };
+    let mut best = laid.closest(Vector3::zeros());
+    for start in starts {
+        let other = laid.closest(*start);
+        if other.agreeing > best.agreeing + late.len() / 20 {
+            best = other;
+        }
+    }
+    for start in laid.along_the_open(&best) {
+        let other = laid.closest(start);
+        if other.agreeing > best.agreeing + late.len() / 20 {
+            best = other;
+        }
+    }
+    let Fit { found, agreeing, known, normal, right } = best;
+    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap: 0.0 };
+    let (sd, alone) = (deviations(normal + prior.0), deviations(normal));
+    let judged = known.max(late.len().div_ceil(2)).max(1);
+    let agreement = agreeing as f64 / judged as f64;
+    let share = agreeing as f64 / late.len().max(1) as f64;
+    Overlap { misclosure, agreement, share, known, centre, normal, right, sd, alone }
+}
+
+/// Standard deviations of the position in its worse direction (metres) and of the heading (radians)
+/// of what is known with this information.
+fn deviations(information: Matrix3<f64>) -> (f64, f64) {
+    let Some(spread) = information.try_inverse() else { return (f64::INFINITY, f64::INFINITY) };
+    let position = spread.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
+    (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt())
+}
+
+/// How one look was laid on the other.
+struct Fit {
+    found: Vector3<f64>,
+    agreeing: usize,
+    /// Contacts beside which there was something to lie on.
+    known: usize,
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+}
+
+/// Two looks at the same wall.
+struct Laid<'a> {
+    early: &'a [Point],
+    late: &'a [Point],
+    centre: Point,
+    prior: Matrix3<f64>,
+    expected: Vector3<f64>,
+    /// Spread of contacts about the wall they are of, metres.
+    scatter: f64,
+}
+
+impl Laid<'_> {
+    /// Starts to either side of a fit in the direction that it left open: a corner farther off than
+    /// the search for closest points reaches is found from one of them.
+    fn along_the_open(&self, fit: &Fit) -> Vec<Vector3<f64>> {
+        let Some(spread) = (fit.normal + self.prior).try_inverse() else { return Vec::new() };
+        let eigen = spread.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigen();
+        let worst = eigen.eigenvalues.imax();
+        let sd = eigen.eigenvalues[worst].max(0.0).sqrt();
+        let direction = eigen.eigenvectors.column(worst).into_owned();
+        let steps = (2.5 * sd / OPEN_STEP).min(12.0) as i32;
+        (-steps..=steps)
+            .filter(|k| *k != 0)
+            .map(|k| {
+                let by = direction * (f64::from(k) * OPEN_STEP);
+                fit.found + Vector3::new(by.x, by.y, 0.0)
+            })
+            .collect()
+    }
+
+    /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
+    /// many of them then agree.
+    fn closest(&self, start: Vector3<f64>) -> Fit {
+        let mut fit = Fit {
+            found: start,
+            agreeing: 0,
+            known: 0,
+            normal: Matrix3::zeros(),
+            right: Vector3::zeros(),
+        };
+        for _ in 0..15 {
+            let found = fit.found;
+            let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+            let (mut agreeing, mut known) = (0, 0);
+            for &point in self.late {
+                let arm = rotate(point - self.centre, -found.z);
+                let placed = self.centre + arm - Vector::new(found.x, found.y);
+                let near = BESIDE.max(3.0 * self.scatter);
+                let beside = self.early.iter().any(|p| (p - placed).norm() < near);
+                let straight = STRAIGHT.max(1.6 * self.scatter);
+                let Some(wall) = stretch_beside(self.early, placed, straight) else {
+                    // Ragged wall has no stretch to lie on; a contact where one was agrees too.
+                    agreeing += usize::from(beside);
+                    known += usize::from(beside);
+                    continue;
+                };
+                known += 1;
+                let across = perp(wall.along);
+                let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
+                let off = across.dot(&(placed - wall.at));
+                agreeing += usize::from(beside || off.abs() < ON_IT.max(2.5 * self.scatter));
+                // Huber's weight: a contact that belongs to another wall must not pull.
+                let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
+                normal += row * row.transpose() * weight;
+                right += row * ((off + row.dot(&found)) * weight);
+            }
+            (normal, right) = well_seen(&normal, &right, known);
+            (fit.normal, fit.right) = (normal, right);
+            (fit.agreeing, fit.known) = (agreeing, known);
+            let Some(solution) = (normal + self.prior).lu().solve(&(right + self.expected)) else {
+                break;
+            };
+            let change = (solution - found).norm();
+            fit.found = solution;
+            if change < 1e-5 {
+                break;
+            }
+        }
+        fit
+    }
+}
+
+/// The same equations without the directions that `count` contacts hardly speak of. Along a straight
+/// wall, or about the centre of an arc, nothing but the scatter of the tangents is left, and that
+/// must not outvote what the gyro and the wheels are known to keep to.
+fn well_seen(
+    normal: &Matrix3<f64>,
+    right: &Vector3<f64>,
+    count: usize,
+) -> (Matrix3<f64>, Vector3<f64>) {
+    let least = LEAST_SLOPE.powi(2) * count as f64 / CONTACT_SD.powi(2);
+    let eigen = normal.symmetric_eigen();
+    let (mut seen, mut told) = (Matrix3::zeros(), Vector3::zeros());
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > least {
+            seen += vector * vector.transpose() * *value;
+            told += vector * vector.dot(right);
+        }
+    }
+    (seen, told)
+}
+
+/// How far contacts scatter about their walls, metres: the lower quartile of what short stretches do,
+/// since corners and ragged walls are no scatter.
+fn scatter(points: &[Point]) -> f64 {
+    const STRETCH: usize = 6;
+    let stretches = points.windows(STRETCH).filter_map(Stretch::through);
+    let mut residuals: Vec<f64> = stretches.map(|stretch| stretch.residual).collect();
+    residuals.sort_by(f64::total_cmp);
+    residuals.get(residuals.len() / 4).map_or(0.0, |residual| residual.min(MOST_SCATTER))
+}
+
+/// The straight stretch of early wall on which `point` lies: through its neighbours, as near as
+/// there are enough of them.
+fn stretch_beside(walls: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
+    NEIGHBOURS.iter().find_map(|reach| {
+        let near: Vec<Point> =
+            walls.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
+        if near.len() < 4 {
+            return None;
+        }
+        let straight = Stretch::through(&near)?;
+        let local =
+            if straight.residual < tolerance { straight } else { bent(&near, point, tolerance)? };
+        let along = |p: Point| local.along.dot(&(p - local.at));
+        let (low, high) =
+            near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
+                (low.min(along(p)), high.max(along(p)))
+            });
+        // Beyond what was seen the wall may do anything.
+        let within = (low - 0.015..=high + 0.015).contains(&along(point));
+        (within && high - low > 0.05).then_some(local)
+    })
+}
+
+/// The tangent, nearest to `point`, of the circle through `near`; none when they lie on none.
+fn bent(near: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
+    let circle = Moments::of(near).circle()?;
+    let off = |p: &Point| (p - circle.center).norm() - circle.radius;
+    let count = near.len() as f64;
+    let residual = (near.iter().map(|p| off(p).powi(2)).sum::<f64>() / count).sqrt();
+    let outward = (point - circle.center).try_normalize(1e-9)?;
+    let on_circle = near.len() >= 5 && residual < tolerance && circle.radius > 0.3;
+    on_circle.then(|| Stretch {
+        at: circle.center + outward * circle.radius,
+        along: perp(outward),
+        residual,
+    })
+}

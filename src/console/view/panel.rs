@@ -104,7 +104,7 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let mut walls = accuracy.walls.clone();
         walls.sort_by(f64::total_cmp);
         let median = words::small(walls.get(walls.len() / 2).copied().unwrap_or(worst));
-        rows.push(("± walls", format!("{median}, corners to {}", words::small(worst)), Role::Text));
+        rows.push(("± walls", format!("{median}, to {}", words::small(worst)), Role::Text));
     }
     if let Some(plan) = &map.plan {
         let name = match plan.figures.strategy {

@@ -66,7 +66,7 @@ const RARER: f64 = 0.5;
 const GYROS: [f64; 3] = [1.0, 0.3, 0.1];
 /// Before anything is known each of them is believed that much less than the one before: a gyro
 /// better than its datasheet has to prove it.
-const FINER: f64 = 0.001;
+const FINER: f64 = 0.1;
 /// What is farther off than this, in variances, is a slip, and no wander.
 const SLIP: f64 = 12.0;
 

@@ -109,7 +109,7 @@ const MOST_ROUNDS: f64 = 5.0;
 /// A lap longer than this will not close any more, metres.
 const LONGEST_LAP: f64 = 2000.0;
 /// On shorter laps no drift of the gyro leads astray, metres.
-const DRIFTING: f64 = 6.0;
+const DRIFTING: f64 = 20.0;
 /// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
 const AGREEMENT: f64 = 0.55;
 const FREE_AGREEMENT: f64 = 0.85;

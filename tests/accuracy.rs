@@ -1,33 +1,14 @@
 //! What the map says of its own errors is true: the corners of a room lie within two standard errors
 //! of where they are, as often as such errors do.
 
+mod common;
+
 use periplus::geometry::Point;
-use periplus::journal::Header;
-use periplus::mapping::map::{Phase, RoomMap};
+use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
-use periplus::robot::Intent;
-use periplus::runtime::simulated::SimulatedRun;
 use periplus::simulator::{NoiseProfile, World};
-use std::io::Sink;
 
 const ROOM: &str = include_str!("../sims/u_room.toml");
-
-fn mapped(world: &World, seed: u64) -> RoomMap {
-    let header = Header {
-        settings: Settings { seed, ..Settings::new(world.start) },
-        source: world.name.clone(),
-        noise: String::new(),
-        until: None,
-        robot: None,
-    };
-    let mut run: SimulatedRun<Sink> =
-        SimulatedRun::new(world, header, NoiseProfile::Calibrated, None);
-    run.intent(Intent::Run);
-    while run.is_under_way() && run.snapshot().phase != Phase::Objects {
-        run.advance();
-    }
-    run.snapshot().map
-}
 
 #[test]
 fn corners_lie_within_two_standard_errors_nine_times_in_ten() {
@@ -36,7 +17,8 @@ fn corners_lie_within_two_standard_errors_nine_times_in_ten() {
         world.boundary.pieces.iter().map(periplus::geometry::Piece::from).collect();
     let (mut within, mut all, mut smallest) = (0, 0, f64::INFINITY);
     for seed in 1..=12 {
-        let map = mapped(&world, seed);
+        let settings = Settings { seed, ..Settings::new(world.start) };
+        let map = common::mapped(&world, settings, NoiseProfile::Calibrated, Phase::Plan);
         let accuracy = map.accuracy.expect("stated with the shape");
         let shape = map.shape.expect("a shape");
         assert_eq!(accuracy.walls.len(), shape.outline.pieces.len());

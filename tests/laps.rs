@@ -1,13 +1,11 @@
 //! A lap closes where it began and nowhere else: in spirals, combs and mazes of thin walls, where one
 //! corridor looks like the next, with a gyro that drifts.
 
-use periplus::journal::Header;
-use periplus::mapping::map::{Phase, RoomMap};
+mod common;
+
+use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
-use periplus::robot::Intent;
-use periplus::runtime::simulated::SimulatedRun;
 use periplus::simulator::{NoiseProfile, World};
-use std::io::Sink;
 
 /// A corridor of 0.6 m that winds inwards, walls 0.1 m thick.
 const SPIRAL: &str = r#"
@@ -30,23 +28,6 @@ vertices = [[0, 0], [0.5, 0], [0.5, 2.5], [0.52, 2.5], [0.52, 0], [1.54, 0], [1.
 
 const COMB: &str = include_str!("../sims/comb.toml");
 
-/// The map with its shape, and how far the lap was.
-fn mapped(world: &World, seed: u64, noise: NoiseProfile) -> RoomMap {
-    let header = Header {
-        settings: Settings { seed, ..Settings::new(world.start) },
-        source: world.name.clone(),
-        noise: String::new(),
-        until: None,
-        robot: None,
-    };
-    let mut run: SimulatedRun<Sink> = SimulatedRun::new(world, header, noise, None);
-    run.intent(Intent::Run);
-    while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
-        run.advance();
-    }
-    run.snapshot().map
-}
-
 #[test]
 fn laps_close_where_they_began() {
     for (text, noise) in [
@@ -58,7 +39,8 @@ fn laps_close_where_they_began() {
         let world = World::from_toml(text, "maze", 0.1).expect("a world");
         let perimeter = world.boundary.perimeter();
         for seed in 1..=3 {
-            let map = mapped(&world, seed, noise);
+            let settings = Settings { seed, ..Settings::new(world.start) };
+            let map = common::mapped(&world, settings, noise, Phase::Boundary);
             let name = &world.name;
             assert!(map.closed, "{name} {seed}: open");
             let lap = map.misclosure.expect("a closed lap").lap;

@@ -2,34 +2,21 @@
 //! wheels are off by up to one per cent, which no closed lap shows.
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
+mod common;
+
 use periplus::geometry::Point;
-use periplus::journal::Header;
 use periplus::mapping::map::{Phase, RoomMap};
 use periplus::mapping::settings::Settings;
 use periplus::mapping::tape::Tape;
-use periplus::robot::Intent;
-use periplus::runtime::simulated::SimulatedRun;
 use periplus::simulator::{NoiseProfile, World};
-use std::io::Sink;
 
 const ROOM: &str = include_str!("../sims/rectangle.toml");
 
 /// The map of a room of 5 x 4 m once its boundary is planned for.
 fn mapped(seed: u64, tape: Option<Tape>) -> RoomMap {
     let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");
-    let header = Header {
-        settings: Settings { seed, tape, ..Settings::new(world.start) },
-        source: world.name.clone(),
-        noise: String::new(),
-        until: None,
-        robot: None,
-    };
-    let mut run: SimulatedRun<Sink> = SimulatedRun::new(&world, header, NoiseProfile::Raw, None);
-    run.intent(Intent::Run);
-    while run.is_under_way() && run.snapshot().phase != Phase::Objects {
-        run.advance();
-    }
-    run.snapshot().map
+    let settings = Settings { seed, tape, ..Settings::new(world.start) };
+    common::mapped(&world, settings, NoiseProfile::Raw, Phase::Plan)
 }
 
 /// Mapped over true size: the root of the ratio of the areas.

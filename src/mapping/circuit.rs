@@ -3,10 +3,10 @@
 //! Closing takes two things at once: the robot crosses a line through a place it passed at the
 //! beginning, near that place, and it faces the same way there. On a long lap the gyro's drift leads
 //! far away from that; the lap is then looked at without each drift that the gyro may have, and what
-//! is driven after the crossing has to lie on the beginning, corners and all. The sense of the one whole turn
-//! that a closed lap makes (Hopf's theorem on turning tangents) is read from the area that the
-//! driven path encloses rather than from the turns themselves: in narrow pockets the robot turns
-//! about on the spot, and which way round it did so says nothing of the wall. That sense tells
+//! is driven after the crossing has to lie on the beginning, corners and all. The sense of the one
+//! whole turn that a closed lap makes (Hopf's theorem on turning tangents) is read from the area
+//! that the driven path encloses rather than from the turns themselves: in narrow pockets the robot
+//! turns about on the spot, and which way round it did so says nothing of the wall. That sense tells
 //! inside from outside.
 
 mod crossing;

@@ -1,6 +1,7 @@
 //! Far from walls the pose becomes uncertain, and what is met seems to be something new although it
 //! is on the map, only elsewhere. While the robot goes round it, its contacts are laid on each mapped
 //! surface that it could be; where they fit, corners and all that was seen, the pose is known again.
+//! It decides only whether that is so; what follows from it is for the round.
 
 use super::rounds::Round;
 use super::{Scene, Tour};
@@ -8,6 +9,7 @@ use crate::geometry::{Point, Ring, angle};
 use crate::mapping::event::EventKind;
 use crate::mapping::lay::{Overlap, lay};
 use crate::mapping::map::ContactKind;
+use crate::mapping::survey::Tie;
 use nalgebra::{Matrix3, Vector3};
 
 /// A pose known better than this beside the map (one standard deviation, metres) is believed.
@@ -48,7 +50,7 @@ impl Tour {
         }
         let within = (DEVIATIONS * loose).min(FARTHEST);
         let Some(first) = late.first() else { return false };
-        let mut best = None;
+        let mut best: Option<(usize, Tie, Overlap)> = None;
         for (index, (ring, tie)) in self.chart.nominal(scene.survey, *first).enumerate() {
             if ring.distance(*first) > within {
                 continue;
@@ -66,10 +68,7 @@ impl Tour {
             if unlikely || !known || laid.agreement < FITTING {
                 continue;
             }
-            if best
-                .as_ref()
-                .is_none_or(|(_, _, other): &(_, _, Overlap)| laid.agreement > other.agreement)
-            {
+            if laid.agreement > best.as_ref().map_or(0.0, |(_, _, other)| other.agreement) {
                 best = Some((index, tie, laid));
             }
         }

@@ -1,0 +1,31 @@
+//! Mapping a world with the simulated robot, for tests that measure the map.
+
+use periplus::journal::Header;
+use periplus::mapping::map::{Phase, RoomMap};
+use periplus::mapping::settings::Settings;
+use periplus::robot::Intent;
+use periplus::runtime::simulated::SimulatedRun;
+use periplus::simulator::{NoiseProfile, World};
+use std::io::Sink;
+
+/// The map of `world` as the robot has it when it leaves `phase`.
+pub(crate) fn mapped(
+    world: &World,
+    settings: Settings,
+    noise: NoiseProfile,
+    phase: Phase,
+) -> RoomMap {
+    let header = Header {
+        settings,
+        source: world.name.clone(),
+        noise: String::new(),
+        until: None,
+        robot: None,
+    };
+    let mut run: SimulatedRun<Sink> = SimulatedRun::new(world, header, noise, None);
+    run.intent(Intent::Run);
+    while run.is_under_way() && run.snapshot().phase <= phase {
+        run.advance();
+    }
+    run.snapshot().map
+}

@@ -153,7 +153,8 @@ pub enum EventKind {
         /// The number it will have.
         id: u32,
     },
-    /// Something was gone round as part of the wall, but only a gap joins it to that.
+    /// Something was gone round as part of the wall or of another thing, but only a gap joins it to
+    /// that.
     ObjectApart {
         /// Its id.
         id: u32,
@@ -256,4 +257,12 @@ pub enum Failure {
     WheelsLie,
     /// The operator ended the run.
     Ended,
+}
+
+impl EventKind {
+    /// Thing `id` of those that one round went round as one: the first of them closed it.
+    #[must_use]
+    pub fn gone_round(id: u32, first: bool) -> Self {
+        if first { Self::ObjectClosed { id } } else { Self::ObjectApart { id } }
+    }
 }

@@ -50,6 +50,16 @@ impl Side {
 /// over many short ones that averages out.
 pub const STRIDE: f64 = 0.5;
 
+/// How far from a wall the robot's centre is kept while it follows it, metres: inside the band that the
+/// switches see.
+#[must_use]
+pub fn clearance(chassis: &Chassis) -> f64 {
+    chassis.radius + GAP * chassis.range
+}
+
+/// Share of the switches' range at which the body is kept off the wall.
+const GAP: f64 = 0.75;
+
 /// The next motion, with what ends it and why it was chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ask {
@@ -79,6 +89,7 @@ struct Roles {
     ahead: Option<usize>,
     wall: Option<usize>,
     off: Option<usize>,
+    across: Option<usize>,
     back: Option<usize>,
 }
 
@@ -91,6 +102,7 @@ impl Roles {
             ahead: towards(45.0),
             wall: towards(90.0),
             off: towards(-45.0),
+            across: towards(-90.0),
             back: towards(180.0),
         }
     }
@@ -137,8 +149,19 @@ pub struct Follower {
     /// Heading at the beginning of the look.
     looked_from: f64,
     swept: Option<Sweep>,
+    body: f64,
+    /// Where a gap was last found too narrow, and how often thereabouts.
+    refused: Option<(Point, u32)>,
 }
 
+/// Out of a gap that is too narrow the robot backs this far, metres.
+const BACK_OUT: f64 = 0.12;
+/// A gap found too narrow nearer than this is the same, metres ...
+const SAME_GAP: f64 = 0.3;
+/// ... and no more than this often.
+const MOST_REFUSALS: u32 = 2;
+/// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
+const BESIDE: f64 = 0.02;
 const SHORTEST_STRIDE: f64 = 0.09;
 const LONGEST_STRIDE: f64 = 0.50;
 const ROUND_CORNER: f64 = 0.05;
@@ -149,7 +172,7 @@ impl Follower {
     /// Follows with the wall on `side`.
     #[must_use]
     pub fn new(chassis: &Chassis, side: Side) -> Self {
-        let gap = 0.75 * chassis.range;
+        let gap = GAP * chassis.range;
         let roles = Roles::new(chassis, side);
         Self {
             side,
@@ -165,6 +188,8 @@ impl Follower {
             stuck: 0,
             last_position: None,
             rolling: Rolling { side, radius: chassis.radius + gap, least: chassis.radius + 0.012 },
+            body: chassis.radius,
+            refused: None,
         }
     }
 
@@ -222,7 +247,7 @@ impl Follower {
         }
     }
 
-    fn after_step(&mut self, wall: &Wall, rest: &AtRest) -> Ask {
+    fn after_step(&mut self, wall: &mut Wall, rest: &AtRest) -> Ask {
         let closed_by = match rest.reason {
             DoneReason::Guard { sensor, rising: true } => Some(sensor),
             _ => None,
@@ -232,6 +257,10 @@ impl Follower {
             self.ended = false;
             if Some(sensor) == self.roles.front || Some(sensor) == self.roles.ahead {
                 return self.clear(sensor);
+            }
+            if Some(sensor) == self.roles.across && self.refuses(rest) {
+                wall.pull_in(sensor, self.body + BESIDE);
+                return self.back_out();
             }
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {
@@ -274,6 +303,29 @@ impl Follower {
             motion: Motion::Move { distance: -0.03, speed: f64::INFINITY },
             guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
             why: "touched something: backing off",
+        }
+    }
+
+    /// Whether to go no deeper into a gap with both sides within the switches' reach. What leads out of
+    /// it again on the other hand would find it too narrow, so it is never entered; but a robot that
+    /// stands between has to go on somewhere.
+    fn refuses(&mut self, rest: &AtRest) -> bool {
+        if !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
+            return false;
+        }
+        let before = self.refused.filter(|(at, _)| (at - rest.pose.position).norm() < SAME_GAP);
+        let times = before.map_or(0, |(_, times)| times) + 1;
+        self.refused = Some((rest.pose.position, times));
+        times <= MOST_REFUSALS
+    }
+
+    fn back_out(&mut self) -> Ask {
+        self.doing = Doing::BackingOff;
+        self.stride = SHORTEST_STRIDE;
+        Ask {
+            motion: Motion::Move { distance: -BACK_OUT, speed: f64::INFINITY },
+            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
+            why: "too narrow between two things: backing out",
         }
     }
 
@@ -347,7 +399,12 @@ impl Follower {
         Ask {
             motion: Motion::Move { distance: length, speed: f64::INFINITY },
             guard: Guard {
-                rise: Roles::set(&[self.roles.front, self.roles.ahead, self.roles.off]),
+                rise: Roles::set(&[
+                    self.roles.front,
+                    self.roles.ahead,
+                    self.roles.off,
+                    self.roles.across,
+                ]),
                 fall,
             },
             why: if self.ended { "a step round the corner" } else { "a step along the wall" },

@@ -11,7 +11,7 @@ use super::map::{Contact, MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
 use super::settings::Settings;
-use super::shape::object_outline;
+use super::shape::things;
 use super::wall::Wall;
 use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
@@ -270,10 +270,12 @@ impl Search {
         let since = closure.from.time_us;
         let adjustment = Adjustment::new(tracker, closure, overlap, since);
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
-        let (outline, class) = object_outline(&contacts, true);
-        let id = map.objects.len() as u32 + 1;
-        map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
-        tell.push(EventKind::ObjectClosed { id });
+        for (n, thing) in things(contacts, &self.chassis).into_iter().enumerate() {
+            let object = thing.numbered(map.objects.len() as u32 + 1);
+            let id = object.id;
+            map.objects.push(object);
+            tell.push(EventKind::gone_round(id, n == 0));
+        }
     }
 }
 

@@ -5,6 +5,7 @@ mod assemble;
 mod chain;
 mod classify;
 mod corner;
+mod gap;
 mod neck;
 mod object;
 mod order;
@@ -19,7 +20,7 @@ mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use neck::islands;
-pub use object::{class_of, object_outline};
+pub use object::{Thing, class_of, object_outline, things};
 
 use super::event::Failure;
 use super::map::{Contact, ContactKind};

@@ -367,11 +367,12 @@ impl Wall {
         }
     }
 
-    /// Marks the sighting that came last as `kind` at `point` (used when the next look decides).
-    pub fn revise_last(&mut self, time_us: u64, kind: ContactKind, point: Point) {
-        if let Some(seen) = self.log.iter_mut().rev().find(|seen| seen.time_us == time_us) {
-            seen.kind = kind;
-            seen.point = point;
+    /// Takes what `sensor` saw last for a thing `distance` metres from the robot's centre: a beam that
+    /// slid on to it from the side has not measured how near it is.
+    pub fn pull_in(&mut self, sensor: usize, distance: f64) {
+        if let Some(seen) = self.log.iter_mut().rev().find(|seen| seen.sensor == Some(sensor)) {
+            seen.kind = ContactKind::Touch;
+            seen.point = seen.pose.position + angle::unit(seen.beam) * distance;
             seen.alive = true;
         }
     }

@@ -121,7 +121,7 @@ impl fmt::Display for EventKind {
             }
             Self::Recognised { object, off } => recognised(f, *object, *off),
             Self::ObjectApart { id } => {
-                write!(f, "object O{id} stands apart: the gap to the wall is too narrow to pass")
+                write!(f, "object O{id} stands apart, behind a gap too narrow to pass")
             }
             Self::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),

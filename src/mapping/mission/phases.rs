@@ -24,6 +24,10 @@ const LOPSIDED: f64 = 0.31;
 /// The promise counts as kept when no disc wider than α and this may hide, metres.
 const KEPT: f64 = 0.01;
 
+/// An outline fitted anew after the tour is the same room when its area differs by no more than this
+/// share.
+const REFINED: f64 = 0.05;
+
 /// Places of the way that are looked at, at most.
 const MOST_LOOKED_AT: usize = 500;
 
@@ -196,8 +200,8 @@ impl Mission {
 
     /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.
     fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
-        let gap = self.settings.chassis.passable_gap();
-        let (rest, islands) = shape::islands(outline, &self.map.contacts, gap);
+        let chassis = &self.settings.chassis;
+        let (rest, islands) = shape::islands(outline, &self.map.contacts, chassis);
         for ring in islands {
             let id = self.map.objects.len() as u32 + 1;
             let all = std::mem::take(&mut self.map.contacts);
@@ -259,12 +263,17 @@ impl Mission {
     }
 
     /// Fits the outline once more, to contacts that all the touches of the tour have put right. What
-    /// that makes more ragged than it was is left as it was, only moved.
+    /// that makes more ragged than it was, or another room, is left as it was, only moved.
     fn refine(&mut self) {
         let reach = self.settings.chassis.reach();
-        let pieces = self.map.shape.as_ref().map_or(0, |shape| shape.outline.pieces.len());
+        let (pieces, area) = self
+            .map
+            .shape
+            .as_ref()
+            .map_or((0, 0.0), |shape| (shape.outline.pieces.len(), shape.outline.area()));
         if let Ok(outline) = shape::outline(&self.map.contacts, reach)
             && outline.pieces.len() <= pieces
+            && (outline.area() / area - 1.0).abs() < REFINED
         {
             self.map.shape = Some(shape::identify(outline, &self.map.contacts));
         } else if let Some(shape) = &mut self.map.shape {

@@ -14,6 +14,10 @@ const SHORTEST: f64 = 5e-4;
 /// Chords stand for arcs within this when crossings are looked for, metres.
 const SAGITTA: f64 = 0.001;
 
+/// An arc that sweeps more than this is one whose ends have passed each other, radians: a round room
+/// with something thin at its wall is one arc of nearly a whole turn.
+const ALL_ROUND: f64 = angle::TAU - 0.005;
+
 /// A corner of the ring and the bulge of the piece that leaves it.
 #[derive(Debug, Clone, Copy)]
 struct Vertex {
@@ -230,7 +234,7 @@ fn bulge(model: &Model, start: Point, end: Point) -> f64 {
     let sweep = if hollow { angle::wrap_positive(b - a) } else { -angle::wrap_positive(a - b) };
     let middle = center + angle::unit(a + sweep / 2.0) * radius;
     let chord = end - start;
-    if chord.norm() < SHORTEST || sweep.abs() > 6.2 {
+    if chord.norm() < SHORTEST || sweep.abs() > ALL_ROUND {
         return 0.0;
     }
     -2.0 * cross(chord, middle - start) / chord.norm_squared()

@@ -1,11 +1,16 @@
-//! Things that stand so near to the wall that the robot could not pass between: it went round them as
-//! part of the wall, and the outline joins them to it by two chords across the gap, which nobody has
-//! touched. Such a thing is an object of its own; that the gap is too narrow to pass does not make
-//! it wall. Where the two stand side by side for longer than a corner takes, they are one obstacle.
+//! Things that stand so near to each other that the robot could not pass between: it went round them
+//! as one, and the outline joins them by two chords across the gap, which nobody has touched. A
+//! thing that only such chords join to the wall is an object of its own, and two objects joined
+//! like that are two; that the gap is too narrow to pass does not make it solid. Where they stand
+//! side by side, so that the body cannot sweep what lies between, they are one obstacle
+//! ([`super::gap`]).
 
+use super::gap::Gap;
+use super::object::object_outline;
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring};
 use crate::mapping::map::{Contact, ContactKind};
+use crate::robot::Chassis;
 
 /// A contact this near to a chord speaks for it, metres ...
 const SUPPORT: f64 = 0.015;
@@ -13,22 +18,21 @@ const SUPPORT: f64 = 0.015;
 const END: f64 = 0.03;
 /// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
 /// every purpose of the robot's.
-const SHORTEST: f64 = 0.22;
+const SHORTEST: f64 = 0.05;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres.
-const NECK: f64 = 0.1;
-/// What runs along the wall, too near to pass, for longer than this stays part of it, metres.
-const LONGEST_NECK: f64 = 0.2;
-/// The gap counts as too near to pass when it is narrower than the narrowest passable one by this,
-/// metres.
-const SURE: f64 = 0.04;
+const NECK: f64 = 0.25;
+/// What was gone round more than once begins and ends no farther apart than this, metres.
+const ROUND: f64 = 0.1;
 /// Nothing smaller than this is cut off, square metres.
 const SMALLEST: f64 = 8e-4;
-/// What is thinner than this is no thing, metres.
+/// What is thinner than this is no thing and joins none, metres.
 const THINNEST: f64 = 0.006;
-/// Nothing larger than this share of the room is cut off.
+/// Nothing larger than this share of the room is cut off it.
 const LARGEST: f64 = 0.25;
+/// The fit to a thing's own contacts is as large as what was cut, within this factor.
+const ALIKE: f64 = 1.5;
 /// Cuts at most.
 const MOST_CUTS: u32 = 20;
 /// Islands of more pieces than this are not searched for rounds.
@@ -36,17 +40,24 @@ const MOST_PIECES: usize = 120;
 /// Chords stand for arcs within this, metres.
 const SAGITTA: f64 = 0.001;
 
-/// The outline without the things that only untouched chords join to it, and the outlines of those,
-/// counter-clockwise; `widest` is the widest gap that the robot does not pass, metres.
+/// On which side of an outline the robot was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Floor {
+    /// Within: the outline of a room.
+    Inside,
+    /// Around: the outline of a thing.
+    Outside,
+}
+
+/// The outline of a room without the things that only untouched chords join to it, and the outlines
+/// of those, counter-clockwise.
 #[must_use]
-pub fn islands(outline: Ring, contacts: &[Contact], widest: f64) -> (Ring, Vec<Ring>) {
-    let touched: Vec<Point> =
-        contacts.iter().filter(|c| c.kind != ContactKind::Edge).map(|c| c.point).collect();
+pub fn islands(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> (Ring, Vec<Ring>) {
     let mut outline = outline;
     let mut found = Vec::new();
     let mut cuts = 0;
     while cuts < MOST_CUTS
-        && let Some((rest, island)) = cut(&outline, &touched, widest)
+        && let Some((rest, island)) = cut(&outline, contacts, Floor::Inside, chassis)
     {
         outline = rest;
         cuts += 1;
@@ -56,6 +67,23 @@ pub fn islands(outline: Ring, contacts: &[Contact], widest: f64) -> (Ring, Vec<R
         }
     }
     (outline, found)
+}
+
+/// The things that only untouched chords join into the one of `outline`, which was gone round from
+/// outside; all counter-clockwise.
+#[must_use]
+pub(super) fn apart(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Ring> {
+    let mut found = vec![outline];
+    let mut looked_at = 0;
+    while looked_at < found.len() && found.len() < MOST_CUTS as usize {
+        if let Some((one, other)) = cut(&found[looked_at], contacts, Floor::Outside, chassis) {
+            found[looked_at] = one;
+            found.push(other);
+        } else {
+            looked_at += 1;
+        }
+    }
+    found
 }
 
 /// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends.
@@ -73,38 +101,68 @@ fn is_chord(piece: &Piece, touched: &[Point], widest: f64) -> bool {
     })
 }
 
-fn cut(outline: &Ring, touched: &[Point], widest: f64) -> Option<(Ring, Ring)> {
+/// The two parts of `outline`, where two chords join them and nothing else does: for a room, its
+/// outline and what stands in it.
+fn cut(
+    outline: &Ring,
+    contacts: &[Contact],
+    floor: Floor,
+    chassis: &Chassis,
+) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
+    let touched: Vec<Point> =
+        contacts.iter().filter(|c| c.kind != ContactKind::Edge).map(|c| c.point).collect();
+    let widest = chassis.passable_gap();
     let chords: Vec<usize> =
-        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], touched, widest)).collect();
+        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], &touched, widest)).collect();
     let mut pairs = chords
         .iter()
         .enumerate()
         .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]));
     pairs.find_map(|(i, k)| {
-        split(outline, i, k)
-            .filter(|(rest, island)| beside(island, rest, widest - SURE) < LONGEST_NECK)
+        let (rest, island) = split(outline, i, k, floor)?;
+        let (rest, island) = match floor {
+            Floor::Inside => {
+                let island = fitted(island, &rest, contacts);
+                (rest, island)
+            }
+            Floor::Outside => {
+                (fitted(rest.clone(), &island, contacts), fitted(island, &rest, contacts))
+            }
+        };
+        let free = |p: Point| (floor == Floor::Inside) == rest.contains(p) && !island.contains(p);
+        let gap = Gap::between(&rest, &island)?;
+        let pinched = !gap.is_closed() && pinch(&pieces[i], &pieces[k]) < THINNEST;
+        (pinched || gap.is_swept(free, chassis)).then_some((rest, island))
     })
 }
 
-/// Metres of `island` that lie nearer to `rest` than `gap`.
-fn beside(island: &Ring, rest: &Ring, gap: f64) -> f64 {
-    let pace = 0.005;
-    let near = |piece: &Piece| {
-        let steps = (piece.length() / pace).ceil().max(1.0);
-        let share = piece.length() / steps;
-        (0..steps as u32)
-            .map(|k| piece.at((f64::from(k) + 0.5) / steps))
-            .filter(|p| rest.distance(*p) < gap)
-            .count() as f64
-            * share
-    };
-    island.pieces.iter().map(near).sum()
+/// How near two straight pieces that do not cross come to each other, metres.
+fn pinch(one: &Piece, other: &Piece) -> f64 {
+    [one.distance(other.from()), one.distance(other.to())]
+        .into_iter()
+        .chain([other.distance(one.from()), other.distance(one.to())])
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The outline of what was cut off, fitted to its own contacts, where that looks like it: the cut
+/// left its tip out.
+fn fitted(island: Ring, rest: &Ring, contacts: &[Contact]) -> Ring {
+    let own: Vec<Contact> = contacts
+        .iter()
+        .filter(|c| island.distance(c.point) < rest.distance(c.point).min(SUPPORT))
+        .copied()
+        .collect();
+    let (ring, _) = object_outline(&own, true);
+    let (area, cut) = (ring.area(), island.area());
+    let alike = area > cut / ALIKE && area < cut * ALIKE;
+    let simple = crossings(&ring.to_points(SAGITTA)).is_empty();
+    if own.len() >= 4 && alike && simple { ring } else { island }
 }
 
 /// The outline cut at the chords `i` and `k`: what lies between them on the way from `i` to `k` is the
 /// island.
-fn split(outline: &Ring, i: usize, k: usize) -> Option<(Ring, Ring)> {
+fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
     let count = pieces.len();
     let (to_island, from_island) = (pieces[i], pieces[k]);
@@ -133,7 +191,16 @@ fn split(outline: &Ring, i: usize, k: usize) -> Option<(Ring, Ring)> {
     };
     let rest = trimmed(&between(k, i))?;
     let whole = between(i, k);
-    let island = trimmed(&whole).or_else(|| one_round(&whole).and_then(closed))?;
+    let once = trimmed(&whole);
+    if floor == Floor::Outside {
+        let island = once?;
+        let sound = |ring: &Ring| ring.pieces.len() >= 3 && ring.area() > SMALLEST;
+        let within = |one: &Ring, other: &Ring| other.contains(one.pieces[0].from());
+        let two = sound(&rest) && sound(&island);
+        return (two && !within(&rest, &island) && !within(&island, &rest))
+            .then_some((rest, island));
+    }
+    let island = once.or_else(|| one_round(&whole).and_then(closed))?;
     let area = island.area();
     if island.pieces.len() < 3
         || rest.pieces.len() < 3
@@ -156,7 +223,7 @@ fn one_round(pieces: &[Piece]) -> Option<Vec<Piece>> {
     }
     let mut rounds: Vec<(f64, usize, usize)> = (0..count)
         .flat_map(|m| (m + 3..=count).map(move |n| (m, n)))
-        .filter(|&(m, n)| (pieces[m].from() - pieces[n - 1].to()).norm() < NECK)
+        .filter(|&(m, n)| (pieces[m].from() - pieces[n - 1].to()).norm() < ROUND)
         .map(|(m, n)| {
             let mut ring = pieces[m..n].to_vec();
             ring.push(Piece::with_bulge(pieces[n - 1].to(), pieces[m].from(), 0.0));
@@ -203,7 +270,8 @@ mod tests {
 
     #[test]
     fn a_box_behind_a_gap_is_cut_off() {
-        let (rest, found) = islands(room(), &[contact(1.0, 0.0), contact(1.74, 0.54)], 0.34);
+        let (rest, found) =
+            islands(room(), &[contact(1.0, 0.0), contact(1.74, 0.54)], &Chassis::default());
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.1564).abs() < 1e-9, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
@@ -212,7 +280,7 @@ mod tests {
     #[test]
     fn a_box_whose_side_runs_along_the_wall_is_one_obstacle_with_it() {
         let side_on = joined(&[(1.8, 0.28), (1.8, 0.68), (2.2, 0.68), (2.2, 0.28)], 0.28);
-        let (rest, found) = islands(side_on.clone(), &[contact(1.0, 0.0)], 0.34);
+        let (rest, found) = islands(side_on.clone(), &[contact(1.0, 0.0)], &Chassis::default());
         assert!(found.is_empty());
         assert_eq!(rest, side_on);
     }
@@ -222,7 +290,8 @@ mod tests {
         let again = [(1.74, 0.54), (2.02, 0.82), (2.3, 0.54), (2.03, 0.29)];
         let once = [(1.75, 0.54), (2.02, 0.81), (2.29, 0.54)];
         let twice: Vec<(f64, f64)> = again.into_iter().chain(once).collect();
-        let (rest, found) = islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], 0.34);
+        let (rest, found) =
+            islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], &Chassis::default());
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.15).abs() < 0.01, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
@@ -230,14 +299,39 @@ mod tests {
 
     #[test]
     fn a_neck_that_was_touched_is_wall() {
-        let (rest, found) = islands(room(), &[contact(2.0, 0.1), contact(2.04, 0.1)], 0.34);
+        let (rest, found) =
+            islands(room(), &[contact(2.0, 0.1), contact(2.04, 0.1)], &Chassis::default());
         assert!(found.is_empty());
         assert_eq!(rest, room());
     }
 
     #[test]
+    fn two_boxes_that_were_gone_round_as_one_are_two() {
+        let corners = [
+            (0.0, 0.0),
+            (0.3, 0.3),
+            (0.58, 0.01),
+            (0.72, 0.01),
+            (1.0, 0.3),
+            (1.3, 0.0),
+            (1.0, -0.3),
+            (0.72, -0.01),
+            (0.58, -0.01),
+            (0.3, -0.3),
+        ];
+        let points: Vec<Point> = corners.into_iter().map(|(x, y)| Point::new(x, y)).collect();
+        let outline = Ring::polygon(&points).counter_clockwise();
+        let found = apart(outline, &[contact(0.3, 0.3), contact(1.0, 0.3)], &Chassis::default());
+        assert_eq!(found.len(), 2);
+        for ring in found {
+            assert!((ring.area() - 0.18).abs() < 0.01, "{}", ring.area());
+        }
+    }
+
+    #[test]
     fn a_gap_that_could_be_passed_is_no_neck() {
-        let (_, found) = islands(room(), &[], 0.15);
+        let slim = Chassis { radius: 0.04, range: 0.02, ..Chassis::default() };
+        let (_, found) = islands(room(), &[], &slim);
         assert!(found.is_empty());
     }
 }

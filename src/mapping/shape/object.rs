@@ -5,7 +5,8 @@ use super::order;
 use super::rectangle::rectangle;
 use crate::geometry::hull::{deepest_bay, jarvis};
 use crate::geometry::{Piece, Point, Ring, angle, cross};
-use crate::mapping::map::{Contact, ContactKind, ObjectClass};
+use crate::mapping::map::{Contact, ContactKind, MappedObject, ObjectClass};
+use crate::robot::Chassis;
 
 /// The robot's reach only bounds inner corners of a bay here, metres.
 const REACH: f64 = 0.16;
@@ -40,6 +41,50 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         .unwrap_or_else(|| hull(contacts));
     let class = class_of(&ring);
     (ring, class)
+}
+
+/// One of the things that a round went round.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Thing {
+    /// Its surface, counter-clockwise.
+    pub outline: Ring,
+    /// What it looks like.
+    pub class: ObjectClass,
+    /// The contacts that lie on it.
+    pub contacts: Vec<Contact>,
+}
+
+impl Thing {
+    /// As it goes into the map.
+    #[must_use]
+    pub fn numbered(self, id: u32) -> MappedObject {
+        let Self { outline, class, contacts } = self;
+        MappedObject { id, class, outline, closed: true, contacts }
+    }
+}
+
+/// What was gone round once, all the way, as one: mostly one thing, several where the robot does not
+/// fit between them but sees that they are apart.
+#[must_use]
+pub fn things(contacts: Vec<Contact>, chassis: &Chassis) -> Vec<Thing> {
+    let (outline, class) = object_outline(&contacts, true);
+    if class != ObjectClass::Concave {
+        return vec![Thing { outline, class, contacts }];
+    }
+    let rings = super::neck::apart(outline, &contacts, chassis);
+    let mut things: Vec<Thing> = rings
+        .into_iter()
+        .map(|outline| Thing { class: class_of(&outline), outline, contacts: Vec::new() })
+        .collect();
+    for contact in contacts {
+        let nearest = things.iter_mut().min_by(|a, b| {
+            a.outline.distance(contact.point).total_cmp(&b.outline.distance(contact.point))
+        });
+        if let Some(thing) = nearest {
+            thing.contacts.push(contact);
+        }
+    }
+    things
 }
 
 /// Root mean square distance of the contacts from the ring, metres.

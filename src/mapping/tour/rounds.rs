@@ -13,7 +13,7 @@ use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectC
 use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::lap_contacts;
 use crate::mapping::settings::Contour;
-use crate::mapping::shape::object_outline;
+use crate::mapping::shape::{object_outline, things};
 use crate::mapping::survey::{Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
@@ -74,7 +74,6 @@ impl Tour {
                 let since = closure.from.time_us;
                 let adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
                 let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
-                let (outline, class) = object_outline(&contacts, true);
                 let tie = round.close(&overlap, scene);
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.
@@ -93,9 +92,7 @@ impl Tour {
                     self.resume(round.drive);
                     return None;
                 }
-                let object = MappedObject { id: round.id, class, outline, closed: true, contacts };
-                self.record(object, tie, scene);
-                scene.tell.push(EventKind::ObjectClosed { id: round.id });
+                self.record_round(contacts, tie, scene);
                 self.resume(round.drive);
                 None
             }
@@ -155,6 +152,15 @@ impl Tour {
         None
     }
 
+    /// Adds what a whole round went round to map and chart; it hangs on `tie`.
+    fn record_round(&mut self, contacts: Vec<Contact>, tie: Tie, scene: &mut Scene<'_>) {
+        for (n, thing) in things(contacts, &self.chassis).into_iter().enumerate() {
+            let id = scene.map.objects.len() as u32 + 1;
+            self.record(thing.numbered(id), tie, scene);
+            scene.tell.push(EventKind::gone_round(id, n == 0));
+        }
+    }
+
     /// Adds an object to map and chart; it hangs on `tie`.
     fn record(&mut self, object: MappedObject, tie: Tie, scene: &mut Scene<'_>) {
         self.chart.add(&object, tie);
@@ -207,11 +213,8 @@ impl Tour {
                     if side == Side::Right {
                         contacts.reverse();
                     }
-                    let (outline, class) = object_outline(&contacts, true);
-                    let object = MappedObject { id, class, outline, closed: true, contacts };
                     let tie = here(scene);
-                    self.record(object, tie, scene);
-                    scene.tell.push(EventKind::ObjectClosed { id });
+                    self.record_round(contacts, tie, scene);
                 } else {
                     self.halves.push((pass.drive.id, Half { side, contacts: seen }));
                     pass.drive.again = true;

@@ -9,6 +9,7 @@
 //! turns about on the spot, and which way round it did so says nothing of the wall. That sense tells
 //! inside from outside.
 
+mod astray;
 mod crossing;
 
 use super::adjust::{Traverse, measure};
@@ -69,6 +70,23 @@ pub struct Closure {
     pub drift: f64,
     /// Odometer where its last round began, metres: `from`'s, unless it closed on a later round only.
     pub last_round: f64,
+    /// What was driven round and round in a pocket on the way, if it came into one.
+    pub pocket: Option<Pocket>,
+}
+
+/// A stretch of a lap that ended where it began, and says nothing new.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pocket {
+    from: f64,
+    to: f64,
+}
+
+impl Pocket {
+    /// Whether what was seen after `travelled` metres was seen on it.
+    #[must_use]
+    pub fn holds(&self, travelled: f64) -> bool {
+        (self.from..self.to).contains(&travelled)
+    }
 }
 
 impl Closure {
@@ -108,6 +126,11 @@ const ROUNDS_ALIKE: f64 = 0.03;
 const MOST_ROUNDS: f64 = 5.0;
 /// A lap longer than this will not close any more, metres.
 const LONGEST_LAP: f64 = 2000.0;
+/// Rounds away from the beginning after which the robot is in a pocket, and lost in it.
+const ASTRAY: usize = 2;
+const LOST: usize = 5;
+/// It is out again when it has come to a new place after as many metres.
+const OUT: f64 = 0.5;
 /// On shorter laps no drift of the gyro leads astray, metres.
 const DRIFTING: f64 = 20.0;
 /// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
@@ -169,7 +192,11 @@ pub struct Circuit {
     drifts: Drifts,
     candidates: Vec<Candidate>,
     overlap: f64,
-    trail: Vec<(f64, Point)>,
+    trail: Vec<Anchor>,
+    /// Odometer when the robot began to squeeze through gaps that it would not enter, to get out again.
+    squeezing: Option<f64>,
+    /// The rounds that were driven in vain before that.
+    pocket: Option<Pocket>,
 }
 
 impl Circuit {
@@ -187,6 +214,8 @@ impl Circuit {
             candidates: Vec::new(),
             overlap,
             trail: Vec::new(),
+            squeezing: None,
+            pocket: None,
         }
     }
 
@@ -224,9 +253,7 @@ impl Circuit {
         if self.follower.is_stuck() {
             return Leg::Failed(Failure::Boxed);
         }
-        if self.previous.is_some_and(|now| {
-            self.anchors.first().is_some_and(|a| now.travelled - a.travelled > LONGEST_LAP)
-        }) {
+        if self.is_endless() {
             return Leg::Failed(Failure::LapEndless);
         }
         match self.follower.next(&mut self.wall, rest) {
@@ -240,23 +267,45 @@ impl Circuit {
         }
     }
 
+    /// Whether the lap will not close any more. In a pocket, away from its beginning, the robot first
+    /// tries to get out by squeezing through what it would not have entered.
+    fn is_endless(&mut self) -> bool {
+        let (Some(now), Some(first)) = (self.previous, self.anchors.first()) else {
+            return false;
+        };
+        let (visits, earliest) = astray::visits(&self.trail, first.pose.position);
+        let out = |since: f64| visits == 0 && now.travelled - since > OUT;
+        if self.squeezing.is_some_and(out) {
+            self.squeezing = None;
+            self.follower.squeeze(false);
+        } else if self.squeezing.is_none() && visits >= ASTRAY {
+            self.squeezing = Some(now.travelled);
+            self.pocket = Some(Pocket { from: earliest, to: now.travelled });
+            self.follower.squeeze(true);
+        }
+        visits >= LOST || now.travelled - first.travelled > LONGEST_LAP
+    }
+
     fn before_step(&mut self, tracker: &Tracker) {
         let here = Anchor::here(tracker);
         let young = self.anchors.first().is_none_or(|a| here.travelled - a.travelled < BEGINNING);
         if young && self.candidates.is_empty() {
             self.anchors.push(here);
         }
-        self.trail.push((here.travelled, here.pose.position));
+        self.trail.push(here);
         self.previous = Some(here);
     }
 
     /// +1 when the path since `anchor` runs counter-clockwise round what it encloses, else -1.
     fn sense(&self, anchor: &Anchor) -> f64 {
-        let since = self.trail.partition_point(|(travelled, _)| *travelled < anchor.travelled);
-        let path = &self.trail[since..];
+        let since = self.trail.partition_point(|place| place.travelled < anchor.travelled);
+        let path: Vec<&Anchor> = self.trail[since..]
+            .iter()
+            .filter(|place| !self.pocket.is_some_and(|pocket| pocket.holds(place.travelled)))
+            .collect();
         let doubled: f64 = (0..path.len())
             .map(|k| {
-                let (a, b) = (path[k].1, path[(k + 1) % path.len()].1);
+                let (a, b) = (path[k].pose.position, path[(k + 1) % path.len()].pose.position);
                 let origin = anchor.pose.position;
                 cross(a - origin, b - origin)
             })
@@ -365,16 +414,16 @@ impl Circuit {
                         .is_some_and(|(a, b)| (a - b).norm() < near)
                 })
         };
-        let places = self.trail.iter().map(|(travelled, _)| *travelled).filter(|at| alike(*at));
+        let places = self.trail.iter().map(|place| place.travelled).filter(|at| alike(*at));
         places.fold(from.travelled, f64::max)
     }
 
     /// Where the robot was when it had travelled that far.
     fn place(&self, travelled: f64) -> Option<Point> {
-        let after = self.trail.partition_point(|(at, _)| *at < travelled);
-        let (late, there) = self.trail.get(after)?;
-        let (early, here) = self.trail.get(after.checked_sub(1)?)?;
-        let share = (travelled - early) / (late - early).max(1e-9);
+        let after = self.trail.partition_point(|place| place.travelled < travelled);
+        let (late, early) = (self.trail.get(after)?, self.trail.get(after.checked_sub(1)?)?);
+        let share = (travelled - early.travelled) / (late.travelled - early.travelled).max(1e-9);
+        let (here, there) = (early.pose.position, late.pose.position);
         Some(here + (there - here) * share)
     }
 
@@ -393,7 +442,8 @@ impl Circuit {
         to.heading = from.heading + turned + angle::TAU * candidate.sense;
         let last_round = self.last_round(&from, &to);
         let side = self.follower.side();
-        let closure = Closure { from, to, side, drift: rate, last_round };
+        let pocket = self.pocket;
+        let closure = Closure { from, to, side, drift: rate, last_round, pocket };
         let traverse = Traverse::along(path, tracker.resolution(), &closure, from.time_us);
         let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)

@@ -152,6 +152,7 @@ pub struct Follower {
     body: f64,
     /// Where a gap was last found too narrow, and how often thereabouts.
     refused: Option<(Point, u32)>,
+    squeezing: bool,
 }
 
 /// Out of a gap that is too narrow the robot backs this far, metres.
@@ -160,6 +161,8 @@ const BACK_OUT: f64 = 0.12;
 const SAME_GAP: f64 = 0.3;
 /// ... and no more than this often.
 const MOST_REFUSALS: u32 = 2;
+/// The body keeps this far off the walls when it has to squeeze out of a pocket, metres.
+const SQUEEZED: f64 = 0.02;
 /// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
 const BESIDE: f64 = 0.02;
 const SHORTEST_STRIDE: f64 = 0.09;
@@ -190,7 +193,14 @@ impl Follower {
             rolling: Rolling { side, radius: chassis.radius + gap, least: chassis.radius + 0.012 },
             body: chassis.radius,
             refused: None,
+            squeezing: false,
         }
+    }
+
+    /// Goes through gaps hardly wider than the body, `on` or no longer: to get out where it got in.
+    pub fn squeeze(&mut self, on: bool) {
+        self.squeezing = on;
+        self.rolling.radius = self.body + if on { SQUEEZED } else { self.gap };
     }
 
     /// On which hand the wall is.
@@ -310,7 +320,7 @@ impl Follower {
     /// it again on the other hand would find it too narrow, so it is never entered; but a robot that
     /// stands between has to go on somewhere.
     fn refuses(&mut self, rest: &AtRest) -> bool {
-        if !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
+        if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
             return false;
         }
         let before = self.refused.filter(|(at, _)| (at - rest.pose.position).norm() < SAME_GAP);

@@ -300,6 +300,7 @@ pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> 
         .filter(|seen| {
             seen.travelled > closure.last_round - 0.02
                 && seen.travelled <= closure.to.travelled + 0.1
+                && !closure.pocket.is_some_and(|pocket| pocket.holds(seen.travelled))
         })
         .map(|seen| {
             let mut contact = seen.contact();

@@ -32,7 +32,14 @@ pub struct Sighting {
     pub time_us: u64,
     /// False when later evidence contradicts it.
     pub alive: bool,
+    /// How many places of the rim were ruled out before this one; of a touch, whose place the bumper
+    /// does not tell.
+    pub ruled_out: u8,
 }
+
+/// Where on the rim a touch may have been, in the order in which it is believed, as bearings towards
+/// the side on which something was seen last, radians.
+const RIM: [f64; 7] = [0.0, 0.39, 0.79, 1.18, -0.39, -0.79, -1.18];
 
 impl Sighting {
     /// The same with a steady drift of the gyro taken out.
@@ -196,6 +203,7 @@ impl Wall {
             travelled,
             time_us: edge.odometer.time_us,
             alive: true,
+            ruled_out: 0,
         };
         if turning {
             self.judge_by_crossing(&mut seen);
@@ -206,9 +214,9 @@ impl Wall {
         seen
     }
 
-    /// Takes a bump: the rim ahead of `pose` touched something.
-    pub fn touch(&mut self, pose: Pose, direction: f64, travelled: f64, time_us: u64) -> Sighting {
-        let beam = pose.heading + direction;
+    /// Takes a bump: the rim touched something, ahead of `pose` as long as no beam says otherwise.
+    pub fn touch(&mut self, pose: Pose, travelled: f64, time_us: u64) -> Sighting {
+        let beam = pose.heading;
         let seen = Sighting {
             point: pose.position + angle::unit(beam) * self.radius,
             pose,
@@ -219,9 +227,28 @@ impl Wall {
             travelled,
             time_us,
             alive: true,
+            ruled_out: 0,
         };
         self.push(seen);
         seen
+    }
+
+    /// A touch that was not where it was believed to be: the next place of the rim, or none is left.
+    fn move_along_rim(&mut self, index: usize) {
+        let seen = self.log[index];
+        let before = self.log[..index].iter().rev().find(|other| other.sensor.is_some());
+        let side = before.map_or(1.0, |other| {
+            let bearing = angle::of(other.point - seen.pose.position) - seen.pose.heading;
+            angle::wrap(bearing).signum()
+        });
+        let touch = &mut self.log[index];
+        touch.ruled_out += 1;
+        if let Some(bearing) = RIM.get(usize::from(touch.ruled_out)) {
+            touch.beam = touch.pose.heading + side * bearing;
+            touch.point = touch.pose.position + angle::unit(touch.beam) * self.radius;
+        } else {
+            touch.alive = false;
+        }
     }
 
     /// Takes over a sighting that belongs to this wall.
@@ -339,12 +366,15 @@ impl Wall {
 
     fn carve_step(&mut self, from: Pose, to: Pose, closed: SwitchSet) {
         let far = self.reach - 0.008;
+        let mut moved = Vec::new();
         for &index in &self.near {
             let seen = &mut self.log[index];
-            if !seen.alive || seen.kind == ContactKind::Touch {
+            let touch = seen.kind == ContactKind::Touch;
+            // What was pulled in beside a gap is no touch of the bumper, and stays.
+            if !seen.alive || (touch && seen.sensor.is_some()) {
                 continue;
             }
-            if (seen.point - to.position).norm() < self.radius - 0.006 {
+            if !touch && (seen.point - to.position).norm() < self.radius - 0.006 {
                 seen.alive = false;
                 continue;
             }
@@ -361,9 +391,16 @@ impl Wall {
                 let swept = side0 * side1 < 0.0 && side0.abs().min(side1.abs()) > 0.0015;
                 let within = along0.min(along1) > near_rim && along0.max(along1) < far;
                 if swept && within {
+                    if touch {
+                        moved.push(index);
+                        break;
+                    }
                     seen.alive = false;
                 }
             }
+        }
+        for index in moved {
+            self.move_along_rim(index);
         }
     }
 

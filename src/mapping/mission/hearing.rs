@@ -56,7 +56,7 @@ impl Mission {
                 self.bumps += 1;
                 let travelled = self.tracker.travelled();
                 if let Some(wall) = self.wall_mut() {
-                    wall.touch(pose, 0.0, travelled, time_us);
+                    wall.touch(pose, travelled, time_us);
                 }
                 self.tell(EventKind::Bumped, out);
             }

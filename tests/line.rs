@@ -8,6 +8,8 @@ use periplus::firmware::Device;
 use periplus::robot::{Chassis, Hardware};
 use periplus::runtime::Stopwatch;
 use periplus::simulator::{Body, NoiseProfile, World};
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -33,6 +35,40 @@ fn map_over(port: &str, out: &PathBuf) -> Child {
         .expect("the program starts")
 }
 
+/// The console on a terminal of its own, at the same line.
+fn console_over(port: &str, out: &PathBuf, terminal: &str) -> Child {
+    let sized = Command::new("sh")
+        .args(["-c", &format!("stty rows 24 cols 80 < {terminal}")])
+        .status()
+        .expect("a shell");
+    assert!(sized.success(), "stty");
+    let open = || {
+        let file = File::options().read(true).write(true).open(terminal);
+        Stdio::from(file.expect("the terminal opens"))
+    };
+    Command::new(env!("CARGO_BIN_EXE_periplus"))
+        .args(["console", "--start", "1,1,20", "--port", port, "--out"])
+        .arg(out)
+        .env("TERM", "xterm-256color")
+        .stdin(open())
+        .stdout(open())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
+}
+
+/// How a run on a moving robot ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// `periplus run` gets a signal.
+    Signal(&'static str),
+    /// The console's operator says quit, and yes.
+    Quit,
+    /// The console's terminal is gone: nothing can be read from it or written to it any more, and no
+    /// signal tells.
+    TerminalGone,
+}
+
 /// What the robot's side saw.
 struct Seen {
     /// Seconds from the signal until the drive stood still.
@@ -44,8 +80,8 @@ struct Seen {
     ended: f64,
 }
 
-/// Lets the program drive a robot, and sends it a signal while the robot moves.
-fn interrupted_by(signal: &str) -> Seen {
+/// Lets the program drive a robot, and ends it while the robot moves.
+fn ended_by(end: End) -> Seen {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.expect("a runtime").block_on(async {
         let text = include_str!("../sims/rectangle.toml");
@@ -54,23 +90,37 @@ fn interrupted_by(signal: &str) -> Seen {
         let mut device = Device::new(&chassis, "tin", std::process::id(), 1.0);
         let mut body = Body::new(&world, &chassis, NoiseProfile::None, 1);
         let (mut ours, theirs) = SerialStream::pair().expect("a pseudo-terminal");
-        let out = place(&format!("line-{signal}"));
-        let mut child = map_over(&theirs.name().expect("a name"), &out);
+        let out = place(&name_of(end));
+        let port = theirs.name().expect("a name");
+        let mut terminal = None;
+        let mut child = if let End::Signal(_) = end {
+            map_over(&port, &out)
+        } else {
+            let (master, slave) = terminal_pair();
+            let child = console_over(&port, &out, &slave);
+            terminal = Some(master);
+            child
+        };
         let mut tick = tokio::time::interval(STEP);
         let mut bytes = [0_u8; 512];
         let mut fast = 0;
         let watch = Stopwatch::start();
+        let mut run_asked = false;
+        let mut screen = [0_u8; 4096];
         let mut begun: Option<(f64, periplus::geometry::Point)> = None;
         let mut still: Option<f64> = None;
         let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, status: None, ended: f64::NAN };
         for _ in 0..1500 {
             tokio::select! {
                 biased;
-                read = ours.read(&mut bytes) => {
+                read = AsyncReadExt::read(&mut ours, &mut bytes) => {
                     let count = read.expect("the line is there");
                     if device.receive(&bytes[..count], &body) { body.begin_motion(); }
                 }
                 _ = tick.tick() => {
+                    if let Some(terminal) = &mut terminal {
+                        while terminal.read(&mut screen).is_ok_and(|count| count > 0) {}
+                    }
                     let before = body.true_pose().position;
                     device.step(&mut body, |_, _| {});
                     body.step(STEP.as_secs_f64());
@@ -82,13 +132,22 @@ fn interrupted_by(signal: &str) -> Seen {
                 }
             }
             let said = device.take_output();
-            ours.write_all(&said).await.expect("the line takes it");
+            AsyncWriteExt::write_all(&mut ours, &said).await.expect("the line takes it");
+            if !run_asked && watch.seconds() > 2.0 {
+                run_asked = true;
+                if let Some(terminal) = &mut terminal {
+                    terminal.write_all(b"r").expect("the terminal takes it");
+                }
+            }
             if begun.is_none() && fast > 10 {
-                let id = child.id().to_string();
-                // The shell's own `kill`: a bare machine may have no other.
-                let words = format!("kill {signal} {id}");
-                let sent = Command::new("sh").args(["-c", &words]).status().expect("a shell");
-                assert!(sent.success());
+                match end {
+                    End::Signal(signal) => kill(&child, signal),
+                    End::Quit => {
+                        let keys = terminal.as_mut().expect("a terminal");
+                        keys.write_all(b"qy").expect("the terminal takes it");
+                    }
+                    End::TerminalGone => terminal = None,
+                }
                 begun = Some((watch.seconds(), body.true_pose().position));
             }
             if let Some((from, at)) = begun
@@ -115,32 +174,73 @@ fn interrupted_by(signal: &str) -> Seen {
     })
 }
 
+/// A terminal: the end that a program does not inherit, and the name of the other. Reading it never
+/// waits.
+fn terminal_pair() -> (File, String) {
+    use rustix::fs::{OFlags, fcntl_setfl};
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+    let master = openpt(flags).expect("a pseudo-terminal");
+    grantpt(&master).expect("granted");
+    unlockpt(&master).expect("unlocked");
+    let slave = ptsname(&master, Vec::new()).expect("a name");
+    fcntl_setfl(&master, OFlags::NONBLOCK).expect("a flag");
+    (File::from(master), slave.into_string().expect("a plain name"))
+}
+
+fn kill(child: &Child, signal: &str) {
+    // The shell's own `kill`: a bare machine may have no other.
+    let words = format!("kill {signal} {}", child.id());
+    let sent = Command::new("sh").args(["-c", &words]).status().expect("a shell");
+    assert!(sent.success());
+}
+
 #[test]
 fn signals_stop_the_robot_and_end_the_program() {
     for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
-        let seen = interrupted_by(signal);
+        let seen = ended_by(End::Signal(signal));
         assert_eq!(seen.status, Some(status), "{signal}");
         // 100 ms to the stop, and braking from 0.2 m/s at 1 m/s² takes 200 ms.
         assert!(seen.stopped < 0.6, "{signal}: still driving after {} s", seen.stopped);
         assert!(seen.went < 0.09, "{signal}: {} m", seen.went);
         assert!(seen.ended < 3.0, "{signal}: ended after {} s", seen.ended);
-        let folder = place_of(signal);
+        let folder = place_of(End::Signal(signal));
         for file in ["journal", "report.json", "map.geojson"] {
             assert!(folder.join(file).is_file(), "{signal}: no {file}");
         }
     }
 }
 
-fn place_of(signal: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("line-{signal}"))
+fn name_of(end: End) -> String {
+    match end {
+        End::Signal(signal) => format!("line-{signal}"),
+        End::Quit => "line-quit".to_owned(),
+        End::TerminalGone => "line-gone".to_owned(),
+    }
+}
+
+fn place_of(end: End) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name_of(end))
+}
+
+#[test]
+fn a_console_that_is_left_or_loses_its_terminal_stops_the_robot() {
+    for end in [End::Quit, End::TerminalGone] {
+        let seen = ended_by(end);
+        assert!(seen.stopped < 0.6, "{end:?}: still driving after {} s", seen.stopped);
+        assert!(seen.went < 0.09, "{end:?}: {} m", seen.went);
+        assert!(seen.ended < 3.0, "{end:?}: ended after {} s", seen.ended);
+        let record = periplus::journal::read(&place_of(end)).expect("a record");
+        assert!(!record.records.is_empty(), "{end:?}: nothing was kept");
+    }
 }
 
 #[test]
 fn a_killed_host_leaves_the_robot_to_its_watchdog() {
-    let seen = interrupted_by("-KILL");
+    let seen = ended_by(End::Signal("-KILL"));
     // 300 ms of silence since the last ping at most 100 ms old, then braking.
     assert!(seen.stopped < 0.9, "still driving after {} s", seen.stopped);
     assert!(seen.went < 0.12, "{} m", seen.went);
-    let record = periplus::journal::read(&place_of("-KILL")).expect("a record");
+    let record = periplus::journal::read(&place_of(End::Signal("-KILL"))).expect("a record");
     assert!(!record.records.is_empty(), "nothing was kept");
 }

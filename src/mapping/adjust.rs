@@ -10,7 +10,7 @@ use super::lay::{Overlap, lay};
 use super::map::{ContactKind, PathPoint};
 use super::odometry::Tracker;
 use super::survey::{Step, Survey, Tie};
-use super::wall::{Sighting, Stretch};
+use super::wall::{Sighting, Stretch, Wall};
 use crate::geometry::{Point, Pose, angle, cross};
 use nalgebra::{Matrix3, Vector3};
 
@@ -59,34 +59,37 @@ const LEAST_SPACING: f64 = 0.25;
 #[derive(Debug, Clone)]
 pub struct Traverse {
     survey: Survey,
-    ends: Option<(Tie, Tie)>,
+    /// Beginning and end of each lap on it.
+    ends: Vec<Option<(Tie, Tie)>>,
 }
 
 impl Traverse {
     /// The lap `closure` of what `tracker` drove; errors count from `since_us` (robot time) on.
     #[must_use]
     pub fn new(tracker: &Tracker, closure: &Closure, since_us: u64) -> Self {
-        Self::along(tracker.path(), tracker.resolution(), closure, since_us)
+        Self::along(tracker.path(), tracker.resolution(), &[*closure], since_us)
     }
 
     /// The same of a `path` driven on wheels of which one tick turns the robot by `resolution`
-    /// radians.
+    /// radians, with several laps on it.
     #[must_use]
-    pub fn along(path: &[PathPoint], resolution: f64, closure: &Closure, since_us: u64) -> Self {
+    pub fn along(path: &[PathPoint], resolution: f64, laps: &[Closure], since_us: u64) -> Self {
         let blank = Survey::new(resolution);
-        let once = Self::over(blank.clone(), path, closure, since_us);
+        let once = Self::over(blank.clone(), path, laps, since_us);
         // Now that it is known how the wheels hold the floor, the first metres are weighed again.
-        Self::over(blank.on_the_floor_of(&once.survey), path, closure, since_us)
+        Self::over(blank.on_the_floor_of(&once.survey), path, laps, since_us)
     }
 
-    fn over(mut survey: Survey, path: &[PathPoint], closure: &Closure, since_us: u64) -> Self {
-        survey.unwound(closure.drift);
+    fn over(mut survey: Survey, path: &[PathPoint], laps: &[Closure], since_us: u64) -> Self {
+        // Whatever drift a lap has shown was taken out of all that was driven.
+        survey.unwound(laps.last().map_or(0.0, |lap| lap.drift));
         let begin = path.partition_point(|point| point.time_us < since_us).saturating_sub(1);
         let path = &path[begin.min(path.len())..];
         let length: f64 =
             path.windows(2).map(|w| (w[1].pose.position - w[0].pose.position).norm()).sum();
         let spacing = (length / MOST_KNOTS).max(LEAST_SPACING);
-        let (mut since_knot, mut from, mut to) = (f64::INFINITY, None, None);
+        let mut since_knot = f64::INFINITY;
+        let mut ends: Vec<(Option<Tie>, Option<Tie>)> = vec![(None, None); laps.len()];
         for (k, point) in path.iter().enumerate() {
             if let Some(before) = k.checked_sub(1).map(|j| path[j]) {
                 let rested = point.rested_us.saturating_sub(before.rested_us);
@@ -101,22 +104,29 @@ impl Traverse {
                 survey.predict(&step, WHEEL_SD);
                 since_knot += (point.pose.position - before.pose.position).norm();
             }
-            let is_from = from.is_none() && point.time_us >= closure.from.time_us;
-            let is_to = to.is_none() && point.time_us >= closure.to.time_us;
-            if is_from || is_to || since_knot > spacing {
+            let begins = |lap: &Closure| point.time_us >= lap.from.time_us;
+            let closes = |lap: &Closure| point.time_us >= lap.to.time_us;
+            let is_end = laps.iter().zip(&ends).any(|(lap, (from, to))| {
+                (from.is_none() && begins(lap)) || (to.is_none() && closes(lap))
+            });
+            if is_end || since_knot > spacing {
                 let tie = survey.mark(point.pose.position, point.time_us);
                 since_knot = 0.0;
-                from = from.or(is_from.then_some(tie));
-                to = to.or(is_to.then_some(tie));
+                for (lap, (from, to)) in laps.iter().zip(&mut ends) {
+                    *from = from.or(begins(lap).then_some(tie));
+                    *to = to.or(closes(lap).then_some(tie));
+                }
             }
         }
-        Self { survey, ends: from.zip(to) }
+        Self { survey, ends: ends.into_iter().map(|(from, to)| from.zip(to)).collect() }
     }
 
     /// Information (inverse covariance) on the misclosure (dx, dy, heading) before any overlap, and
     /// that times the misclosure that is expected.
     fn prior(&self) -> (Matrix3<f64>, Vector3<f64>) {
-        let Some((from, to)) = self.ends else { return (Matrix3::zeros(), Vector3::zeros()) };
+        let Some(Some((from, to))) = self.ends.last().copied() else {
+            return (Matrix3::zeros(), Vector3::zeros());
+        };
         let floor = Matrix3::from_diagonal(&Vector3::new(1e-6, 1e-6, 1e-6));
         let spread = self.survey.relative(&from, &to) + floor;
         let information = spread.try_inverse().unwrap_or_else(Matrix3::zeros);
@@ -136,9 +146,40 @@ impl Adjustment {
     /// moves with its end.
     #[must_use]
     pub fn new(tracker: &Tracker, closure: &Closure, overlap: &Overlap, since_us: u64) -> Self {
-        let Traverse { mut survey, ends } = Traverse::new(tracker, closure, since_us);
-        if let Some((from, to)) = ends {
-            overlap.close(&mut survey, &from, &to, closure.to.pose.position);
+        Self::of(tracker, &[(*closure, overlap)], since_us)
+    }
+
+    /// The same for the lap round the room, which closes on the way that led there as well: the
+    /// things that were gone round `earlier` close each by itself, and what the gyro lost on them
+    /// does not turn the room.
+    #[must_use]
+    pub fn after(
+        tracker: &Tracker,
+        earlier: &[(Closure, Wall)],
+        closure: &Closure,
+        overlap: &Overlap,
+    ) -> Self {
+        let measured: Vec<(Closure, Overlap)> = earlier
+            .iter()
+            .map(|(lap, wall)| {
+                let traverse = Traverse::new(tracker, lap, lap.from.time_us);
+                (*lap, measure(lap, wall.log(), &traverse))
+            })
+            .collect();
+        let mut laps: Vec<(Closure, &Overlap)> =
+            measured.iter().map(|(lap, overlap)| (*lap, overlap)).collect();
+        laps.push((*closure, overlap));
+        Self::of(tracker, &laps, 0)
+    }
+
+    fn of(tracker: &Tracker, laps: &[(Closure, &Overlap)], since_us: u64) -> Self {
+        let closures: Vec<Closure> = laps.iter().map(|(lap, _)| *lap).collect();
+        let traverse = Traverse::along(tracker.path(), tracker.resolution(), &closures, since_us);
+        let Traverse { mut survey, ends } = traverse;
+        for ((lap, overlap), ends) in laps.iter().zip(ends) {
+            if let Some((from, to)) = ends {
+                overlap.close(&mut survey, &from, &to, lap.to.pose.position);
+            }
         }
         Self { survey }
     }

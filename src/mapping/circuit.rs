@@ -90,6 +90,12 @@ impl Pocket {
 }
 
 impl Closure {
+    /// The same with a steady drift of the gyro taken out.
+    #[must_use]
+    pub fn unwound(&self, unwound: &Unwound) -> Self {
+        Self { from: self.from.unwound(unwound), to: self.to.unwound(unwound), ..*self }
+    }
+
     /// Length of the lap along the robot's path, metres.
     #[must_use]
     pub fn length(&self) -> f64 {
@@ -444,7 +450,7 @@ impl Circuit {
         let side = self.follower.side();
         let pocket = self.pocket;
         let closure = Closure { from, to, side, drift: rate, last_round, pocket };
-        let traverse = Traverse::along(path, tracker.resolution(), &closure, from.time_us);
+        let traverse = Traverse::along(path, tracker.resolution(), &[closure], from.time_us);
         let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)
     }

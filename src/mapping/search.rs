@@ -60,6 +60,8 @@ pub struct Search {
     rng: ChaCha8Rng,
     wall: Wall,
     laps: u32,
+    /// The laps that went round something extrinsic, with what was seen on them.
+    earlier: Vec<(Closure, Wall)>,
 }
 
 impl Search {
@@ -74,6 +76,7 @@ impl Search {
             rng: ChaCha8Rng::seed_from_u64(settings.seed),
             wall: Wall::new(&settings.chassis),
             laps: 0,
+            earlier: Vec::new(),
         }
     }
 
@@ -81,6 +84,12 @@ impl Search {
     #[must_use]
     pub fn laps(&self) -> u32 {
         self.laps
+    }
+
+    /// The laps round extrinsic objects, with what was seen on each.
+    #[must_use]
+    pub fn earlier(&self) -> &[(Closure, Wall)] {
+        &self.earlier
     }
 
     /// The contacts that are being collected.
@@ -154,6 +163,7 @@ impl Search {
                             return Next::Found(closure, overlap);
                         }
                         self.record(tracker, &closure, &overlap, map, tell);
+                        self.earlier.push((closure, self.wall.clone()));
                         self.turn_elsewhere(&AtRest { pose: tracker.pose(), ..*rest }, tell);
                     }
                     Leg::Failed(why) => {
@@ -173,6 +183,10 @@ impl Search {
         let unwound = Unwound::new(tracker.path(), drift);
         tracker.unwind(&unwound);
         self.wall.unwind(&unwound);
+        for (lap, wall) in &mut self.earlier {
+            *lap = lap.unwound(&unwound);
+            wall.unwind(&unwound);
+        }
         for object in &mut map.objects {
             let seen = object.contacts.first().map_or(0, Contact::time_us);
             object.displace(|p| unwound.point(p, seen) - p);

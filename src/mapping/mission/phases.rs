@@ -15,7 +15,6 @@ use crate::mapping::shape;
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
 use crate::mapping::tour::{Scene, Tour};
-use crate::mapping::wall::Wall;
 
 /// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
 /// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
@@ -49,7 +48,7 @@ impl Mission {
                 self.order(&ask, out);
             }
             Next::Found(closure, overlap) => {
-                self.close_boundary(search.wall(), &closure, &overlap);
+                self.close_boundary(&search, &closure, &overlap);
                 if self.survey.lopsided().abs() > LOPSIDED {
                     return self.fail(Failure::WheelsLie, out);
                 }
@@ -67,9 +66,9 @@ impl Mission {
 
     /// Takes the misclosure out of the lap, its contacts, the trajectory and the pose, and learns
     /// the gyro's drift from it.
-    fn close_boundary(&mut self, wall: &Wall, closure: &Closure, overlap: &Overlap) {
-        let adjustment = Adjustment::new(&self.tracker, closure, overlap, 0);
-        self.map.contacts = lap_contacts(wall, closure, &adjustment);
+    fn close_boundary(&mut self, search: &Search, closure: &Closure, overlap: &Overlap) {
+        let adjustment = Adjustment::after(&self.tracker, search.earlier(), closure, overlap);
+        self.map.contacts = lap_contacts(search.wall(), closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);
         self.survey = adjustment.into_survey();

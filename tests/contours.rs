@@ -1,0 +1,50 @@
+//! Both ways of going round an object map the same objects: past it on one side and back on the
+//! other, and one full round (paper III.F). One of the objects stands on its corner, too near to the
+//! wall to pass behind: it is an object all the same.
+
+mod common;
+
+use periplus::geometry::{Point, Ring};
+use periplus::mapping::map::Phase;
+use periplus::mapping::settings::{Contour, Settings};
+use periplus::simulator::{NoiseProfile, World};
+
+const ROOM: &str = r#"
+name = "two boxes and a column"
+start = { x = 0.5, y = 0.6, heading = 200 }
+[boundary]
+vertices = [[0, 0], [4.2, 0], [4.2, 3.1], [0, 3.1]]
+[[objects]]
+name = "box"
+vertices = [[1.2, 1.2], [1.7, 1.2], [1.7, 1.6], [1.2, 1.6]]
+[[objects]]
+name = "column"
+circle = { center = [2.9, 1.9], radius = 0.2 }
+[[objects]]
+name = "box on its corner"
+vertices = [[2.4, 0.25], [2.7, 0.55], [2.4, 0.85], [2.1, 0.55]]
+"#;
+
+fn centre(ring: &Ring) -> Point {
+    let points = ring.to_points(0.001);
+    let (low, high) = periplus::geometry::ring::bounds(&points).expect("a ring has points");
+    nalgebra::center(&low, &high)
+}
+
+#[test]
+fn both_contours_find_every_object() {
+    let world = World::from_toml(ROOM, "room", 0.1).expect("a world");
+    for contour in [Contour::TwoPass, Contour::FullLoop] {
+        let settings = Settings { contour, ..Settings::new(world.start) };
+        let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Objects);
+        assert_eq!(map.objects.len(), world.objects.len(), "{contour:?}");
+        for object in &world.objects {
+            let (at, area) = (centre(&object.ring), object.ring.area());
+            let found = map.objects.iter().find(|o| (centre(&o.outline) - at).norm() < 0.02);
+            let found = found.unwrap_or_else(|| panic!("{contour:?}: no {}", object.name));
+            assert!(found.closed, "{contour:?}: {} is open", object.name);
+            let share = found.outline.area() / area;
+            assert!((0.93..1.07).contains(&share), "{contour:?}: {} is {share}", object.name);
+        }
+    }
+}

@@ -3,6 +3,7 @@
 
 mod assemble;
 mod chain;
+mod circle;
 mod classify;
 mod corner;
 mod gap;
@@ -50,12 +51,13 @@ pub(crate) struct Sample {
 
 /// The wall line through the contacts of a closed lap: closed, simple, counter-clockwise, of
 /// lines and arcs. `contacts` come in time order, the last adjoins the first (some wall seen
-/// twice does no harm); `reach` is body radius plus range of the switches, metres.
+/// twice does no harm); `reach` is body radius plus range of the switches, metres. A round room may be
+/// bent by `give` metres: so far the gyro may have led the lap astray.
 ///
 /// # Errors
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
-pub fn outline(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
-    let ring = fitted(contacts, reach)
+pub fn outline(contacts: &[Contact], reach: f64, give: f64) -> Result<Ring, Failure> {
+    let ring = fitted(contacts, reach, give)
         .or_else(|| chain::outline(contacts, reach))
         .ok_or(Failure::OutlineBroken)?;
     Ok(ring.counter_clockwise())
@@ -69,7 +71,7 @@ pub fn mended(outline: Ring) -> Ring {
 }
 
 /// The outline with the floor on the left; none when there is no simple one.
-fn fitted(contacts: &[Contact], reach: f64) -> Option<Ring> {
+fn fitted(contacts: &[Contact], reach: f64, give: f64) -> Option<Ring> {
     let ordered = order::along_wall(contacts, reach);
     let mut samples = samples(&ordered, LEAST_SIGMA);
     if samples.len() < 4 {
@@ -81,7 +83,7 @@ fn fitted(contacts: &[Contact], reach: f64) -> Option<Ring> {
             sample.weight = (sigma / TOUCH_SIGMA).powi(2).min(1.0);
         }
     }
-    if let Some(circle) = assemble::whole_circle(&samples, sigma) {
+    if let Some(circle) = circle::whole(&samples, sigma, give) {
         return Some(circle);
     }
     let runs = segment::runs(&mut samples, sigma);

@@ -27,6 +27,9 @@ const KEPT: f64 = 0.01;
 /// share.
 const REFINED: f64 = 0.05;
 
+/// Places of the lap whose doubt is looked at, at most.
+const MOST_DOUBTS: usize = 40;
+
 /// Places of the way that are looked at, at most.
 const MOST_LOOKED_AT: usize = 500;
 
@@ -96,6 +99,20 @@ impl Mission {
         survey.rebase();
     }
 
+    /// The outline through the contacts of the lap as they are believed by now.
+    fn fitted_outline(&self) -> Result<Ring, Failure> {
+        let contacts = &self.map.contacts;
+        let knots = self.survey.knots();
+        // Places spread over the lap tell how far it may be bent.
+        let doubts =
+            contacts.iter().step_by((contacts.len() / MOST_DOUBTS).max(1)).map(|contact| {
+                let tie = self.survey.tie(contact.time_us(), knots);
+                self.survey.spread_at(contact.point, &tie).trace() / 2.0
+            });
+        let give = doubts.fold(0.0, f64::max).max(0.0).sqrt();
+        shape::outline(contacts, self.settings.chassis.reach(), give)
+    }
+
     /// Lets the smooth walls of `outline` straighten the lap; true when there are any.
     fn straighten(&mut self, outline: &Ring) -> bool {
         let knots = self.survey.knots();
@@ -132,7 +149,7 @@ impl Mission {
                 break;
             }
             self.stretch(stretch);
-            outline = shape::outline(&self.map.contacts, self.settings.chassis.reach())?;
+            outline = self.fitted_outline()?;
         }
         let stretch = self.tracker.stretched();
         self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
@@ -158,13 +175,8 @@ impl Mission {
     }
 
     pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
-        let reach = self.settings.chassis.reach();
-        let fitted = shape::outline(&self.map.contacts, reach).and_then(|outline| {
-            if self.straighten(&outline) {
-                shape::outline(&self.map.contacts, reach)
-            } else {
-                Ok(outline)
-            }
+        let fitted = self.fitted_outline().and_then(|outline| {
+            if self.straighten(&outline) { self.fitted_outline() } else { Ok(outline) }
         });
         let outline = match fitted.and_then(|outline| self.lay_tape(outline, out)) {
             Ok(outline) => outline,
@@ -264,13 +276,12 @@ impl Mission {
     /// Fits the outline once more, to contacts that all the touches of the tour have put right. What
     /// that makes more ragged than it was, or another room, is left as it was, only moved.
     fn refine(&mut self) {
-        let reach = self.settings.chassis.reach();
         let (pieces, area) = self
             .map
             .shape
             .as_ref()
             .map_or((0, 0.0), |shape| (shape.outline.pieces.len(), shape.outline.area()));
-        if let Ok(outline) = shape::outline(&self.map.contacts, reach)
+        if let Ok(outline) = self.fitted_outline()
             && outline.pieces.len() <= pieces
             && (outline.area() / area - 1.0).abs() < REFINED
         {

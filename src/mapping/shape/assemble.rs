@@ -5,7 +5,6 @@ use super::Sample;
 use super::chain::{TOLERANCE, thinned};
 use super::corner::{Joint, Judge};
 use super::segment::{Model, Run};
-use crate::geometry::fit::Moments;
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 
@@ -36,28 +35,6 @@ enum Freedom {
     Linked,
     /// The contacts themselves.
     Contacts,
-}
-
-/// The circle on which all of the contacts lie, all the way round; none when there is no such.
-pub(super) fn whole_circle(samples: &[Sample], sigma: f64) -> Option<Ring> {
-    let mut moments = Moments::new(samples.first()?.point);
-    for sample in samples {
-        moments.add(sample.point, sample.weight);
-    }
-    let circle = moments.circle()?;
-    let tolerance = 3.5 * sigma + 0.002;
-    let off = |s: &Sample| ((s.point - circle.center).norm() - circle.radius).abs();
-    let worst = samples.iter().map(|s| off(s) * s.weight.sqrt()).fold(0.0, f64::max);
-    let mut bearings: Vec<f64> =
-        samples.iter().map(|s| angle::of(s.point - circle.center)).collect();
-    bearings.sort_by(f64::total_cmp);
-    let around = bearings.first()? + angle::TAU - bearings.last()?;
-    let gap = bearings.windows(2).map(|p| p[1] - p[0]).fold(around, f64::max);
-    // A polygon's corners stray from its circle by more than the noise; few contacts prove nothing.
-    let rms = (circle.residual / samples.len() as f64).sqrt();
-    let enough = samples.len() >= 8 && gap < 0.9;
-    let round = worst < tolerance && rms < 1.6 * sigma + 0.0005;
-    (enough && round).then(|| Ring::circle(circle.center, circle.radius))
 }
 
 /// The ring of `runs`; none when no simple one can be made.

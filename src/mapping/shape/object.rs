@@ -23,7 +23,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         return (chain(contacts), ObjectClass::Open);
     }
     // The floor lies outside: the fitted ring runs clockwise round the solid.
-    let fitted = super::fitted(contacts, REACH)
+    let fitted = super::fitted(contacts, REACH, 0.0)
         .map(Ring::counter_clockwise)
         .filter(|ring| passes_contacts(ring, contacts));
     let spread = fitted.as_ref().map_or(f64::INFINITY, |ring| spread(ring, contacts));

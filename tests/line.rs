@@ -81,6 +81,7 @@ struct Seen {
 }
 
 /// Lets the program drive a robot, and ends it while the robot moves.
+#[expect(clippy::too_many_lines, reason = "one loop in which line, robot and terminal take turns")]
 fn ended_by(end: End) -> Seen {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.expect("a runtime").block_on(async {

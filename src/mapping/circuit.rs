@@ -10,7 +10,10 @@
 //! inside from outside.
 
 mod astray;
+mod closure;
 mod crossing;
+
+pub use closure::{Anchor, Closure, Pocket};
 
 use super::adjust::{Traverse, measure};
 use super::drift::{Drifts, Unwound};
@@ -23,91 +26,6 @@ use crate::geometry::{Point, Pose, angle, cross};
 use crate::robot::Chassis;
 use crossing::{Crossing, best};
 use std::borrow::Cow;
-
-/// A place early in the lap at which it may close.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Anchor {
-    /// Where.
-    pub pose: Pose,
-    /// Heading with whole turns counted, radians.
-    pub heading: f64,
-    /// Odometer, metres.
-    pub travelled: f64,
-    /// Robot time, microseconds.
-    pub time_us: u64,
-}
-
-impl Anchor {
-    fn here(tracker: &Tracker) -> Self {
-        Self {
-            pose: tracker.pose(),
-            heading: tracker.cumulative_heading(),
-            travelled: tracker.travelled(),
-            time_us: tracker.time_us(),
-        }
-    }
-
-    fn unwound(&self, unwound: &Unwound) -> Self {
-        Self {
-            pose: unwound.pose(self.pose, self.time_us),
-            heading: self.heading + unwound.turn(self.time_us),
-            ..*self
-        }
-    }
-}
-
-/// A lap that closed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closure {
-    /// The place where it began.
-    pub from: Anchor,
-    /// The same place, a lap later.
-    pub to: Anchor,
-    /// On which hand the wall was.
-    pub side: Side,
-    /// Drift of the gyro that has to be taken out of all that was driven, radians per second: the
-    /// places above are without it.
-    pub drift: f64,
-    /// Odometer where its last round began, metres: `from`'s, unless it closed on a later round only.
-    pub last_round: f64,
-    /// What was driven round and round in a pocket on the way, if it came into one.
-    pub pocket: Option<Pocket>,
-}
-
-/// A stretch of a lap that ended where it began, and says nothing new.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pocket {
-    from: f64,
-    to: f64,
-}
-
-impl Pocket {
-    /// Whether what was seen after `travelled` metres was seen on it.
-    #[must_use]
-    pub fn holds(&self, travelled: f64) -> bool {
-        (self.from..self.to).contains(&travelled)
-    }
-}
-
-impl Closure {
-    /// The same with a steady drift of the gyro taken out.
-    #[must_use]
-    pub fn unwound(&self, unwound: &Unwound) -> Self {
-        Self { from: self.from.unwound(unwound), to: self.to.unwound(unwound), ..*self }
-    }
-
-    /// Length of the lap along the robot's path, metres.
-    #[must_use]
-    pub fn length(&self) -> f64 {
-        self.to.travelled - self.from.travelled
-    }
-
-    /// Whether the robot went round the outside: it turned towards the wall in all.
-    #[must_use]
-    pub fn is_extrinsic(&self) -> bool {
-        (self.to.heading - self.from.heading) * self.side.sign() > 0.0
-    }
-}
 
 /// What comes next on a lap.
 #[derive(Debug, Clone, PartialEq)]
@@ -286,7 +204,7 @@ impl Circuit {
             self.follower.squeeze(false);
         } else if self.squeezing.is_none() && visits >= ASTRAY {
             self.squeezing = Some(now.travelled);
-            self.pocket = Some(Pocket { from: earliest, to: now.travelled });
+            self.pocket = Some(Pocket::new(earliest, now.travelled));
             self.follower.squeeze(true);
         }
         visits >= LOST || now.travelled - first.travelled > LONGEST_LAP

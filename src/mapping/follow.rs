@@ -10,11 +10,14 @@
 //!
 //! Owns no pose and no contacts; it is told both. Knows nothing of laps or maps.
 
+mod roles;
+
 use super::ahead::{Frontier, Rolling, Sweep};
 use super::map::ContactKind;
 use super::wall::Wall;
 use crate::geometry::{Point, Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+use roles::Roles;
 
 /// On which hand the wall is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -80,36 +83,6 @@ pub struct AtRest {
     pub closed: SwitchSet,
     /// Why the last motion ended.
     pub reason: DoneReason,
-}
-
-/// The roles that switches play for a wall on one hand.
-#[derive(Debug, Clone, Copy)]
-struct Roles {
-    front: Option<usize>,
-    ahead: Option<usize>,
-    wall: Option<usize>,
-    off: Option<usize>,
-    across: Option<usize>,
-    back: Option<usize>,
-}
-
-impl Roles {
-    fn new(chassis: &Chassis, side: Side) -> Self {
-        let towards =
-            |degrees: f64| chassis.sensor_towards(side.sign() * degrees.to_radians(), 0.3);
-        Self {
-            front: towards(0.0),
-            ahead: towards(45.0),
-            wall: towards(90.0),
-            off: towards(-45.0),
-            across: towards(-90.0),
-            back: towards(180.0),
-        }
-    }
-
-    fn set(switches: &[Option<usize>]) -> SwitchSet {
-        switches.iter().flatten().fold(SwitchSet::EMPTY, |set, &index| set.with(index, true))
-    }
 }
 
 /// What the follower did last.
@@ -365,8 +338,16 @@ impl Follower {
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         let mut step = if self.ended { ROUND_CORNER } else { self.stride };
         let contacts: Vec<Point> = wall.near().map(|seen| seen.point).collect();
+        let sure = || -> Vec<Point> {
+            let range = wall.near().filter(|seen| seen.kind == ContactKind::Range);
+            range.map(|seen| seen.point).collect()
+        };
+        let swept = self.swept.as_ref();
+        // Where a touch was is a guess: it must not hold the robot on all sides.
         let roll = |step: f64, ended: bool| {
-            self.rolling.direction(&contacts, rest.pose, step, ended, self.swept.as_ref())
+            self.rolling
+                .direction(&contacts, rest.pose, step, ended, swept)
+                .or_else(|| self.rolling.direction(&sure(), rest.pose, step, ended, swept))
         };
         let mut found = roll(step, self.ended)?;
         if !self.ended && found.frontier.is_some_and(|frontier| frontier.ended) {

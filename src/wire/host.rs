@@ -2,6 +2,8 @@
 //! until they are acknowledged, events in order and each once. It is told the time and given bytes;
 //! it says what to write and what was heard. No I/O, no clock.
 
+mod pending;
+mod timing;
 mod told;
 
 pub use told::{Health, Heard, Identity, Loss};
@@ -9,46 +11,12 @@ pub use told::{Health, Heard, Identity, Loss};
 use super::frame::{Decoder, Item, STOP, seal};
 use super::message::{FromRobot, ToRobot, VERSION};
 use crate::robot::{Command, CommandId, Telemetry};
+use pending::Pending;
+use timing::{
+    ANSWER, BLIND, BOOT, CLEAN, EXCHANGE, FIRST_STOP, HELLO, LOST, OVERDUE, PING, STALE,
+    UNANSWERED, UNDOUBTED,
+};
 use told::Introduction;
-
-/// A host that is there says so this often, seconds.
-const PING: f64 = 0.1;
-/// The robot is asked who it is this often, seconds.
-const HELLO: f64 = 0.25;
-/// A board that restarts when its port is opened answers within this, seconds.
-const BOOT: f64 = 3.5;
-/// With a motion in hand, proximity data older than this stop it, seconds.
-const BLIND: f64 = 0.3;
-/// A line that was silent for this long is stale, seconds.
-const STALE: f64 = 0.5;
-/// ... and lost after this.
-const LOST: f64 = 1.5;
-/// An answer is waited for this long, besides the time the bytes take, seconds.
-const ANSWER: f64 = 0.05;
-/// The wait for an answer doubles until it is this long, seconds.
-const LONGEST_WAIT: f64 = 0.4;
-/// A command that is not acknowledged for this long although the line is there is given up, seconds.
-const UNANSWERED: f64 = 3.0;
-/// A motion must have ended this long after its own limit, seconds.
-const OVERDUE: f64 = 3.0;
-/// A line is believed in again when it was there without a break for this long, seconds.
-const CLEAN: f64 = 0.5;
-/// What began before a stop has ended, and said so, this long after it, seconds.
-const UNDOUBTED: f64 = 1.0;
-/// Bytes of the longest command and its acknowledgement.
-const EXCHANGE: f64 = 60.0;
-/// Stops are numbered from here: commands never get so far.
-const FIRST_STOP: u32 = 1 << 31;
-
-/// Something that was sent and has not been acknowledged.
-#[derive(Debug, Clone)]
-struct Pending {
-    seq: u32,
-    line: Vec<u8>,
-    due: f64,
-    wait: f64,
-    since: f64,
-}
 
 /// The host's end.
 #[derive(Debug, Clone)]
@@ -189,7 +157,7 @@ impl Host {
         self.out.extend_from_slice(&line);
         self.halted = false;
         self.motion = Some((command.id, now + command.time_limit + OVERDUE));
-        self.command = Some(Pending { seq: command.id.0, line, due: now + wait, wait, since: now });
+        self.command = Some(Pending::new(command.id.0, line, now, wait));
     }
 
     /// Stops the robot: the byte that stops before everything else, and a stop that is answered.
@@ -203,7 +171,7 @@ impl Host {
         seal(&ToRobot::Stop { seq }.to_string(), &mut line);
         self.out.clear();
         self.urgent.extend_from_slice(&line);
-        self.stop = Some(Pending { seq, line, due: now + wait, wait, since: now });
+        self.stop = Some(Pending::new(seq, line, now, wait));
     }
 
     /// How long an answer may take: more than the slowest exchange on this line does.
@@ -434,12 +402,5 @@ impl Host {
             pending.again(now);
             self.urgent.extend_from_slice(&pending.line);
         }
-    }
-}
-
-impl Pending {
-    fn again(&mut self, now: f64) {
-        self.wait = (self.wait * 2.0).min(self.wait.max(LONGEST_WAIT));
-        self.due = now + self.wait;
     }
 }

@@ -2,12 +2,14 @@
 //! the protocol page and are what a robot would make of them; [`quantised`] is the same rounding for
 //! a robot that needs no line.
 
+mod fields;
+
 use crate::robot::{
     Chassis, Command, CommandId, DoneReason, Edge, Guard, Motion, Odometer, SensorMount, SwitchSet,
     Telemetry,
 };
+use fields::Fields;
 use std::fmt::Write as _;
-use std::str::FromStr;
 
 /// The version of the protocol that this program speaks.
 pub const VERSION: u32 = 1;
@@ -154,52 +156,6 @@ impl std::fmt::Display for ToRobot {
                 }
             }
         }
-    }
-}
-
-/// The fields of a body, taken one after the other.
-struct Fields<'a>(std::str::SplitN<'a, char>);
-
-impl<'a> Fields<'a> {
-    fn of(rest: &'a str, most: usize) -> Self {
-        Self(rest.splitn(most, ' '))
-    }
-
-    fn number<T: FromStr>(&mut self) -> Option<T> {
-        self.0.next()?.parse().ok()
-    }
-
-    fn set(&mut self) -> Option<SwitchSet> {
-        u16::from_str_radix(self.0.next()?, 16).ok().map(SwitchSet)
-    }
-
-    fn hex(&mut self) -> Option<u32> {
-        u32::from_str_radix(self.0.next()?, 16).ok()
-    }
-
-    fn measure(&mut self, unit: f64) -> Option<f64> {
-        self.number::<i64>().map(|value| value as f64 / unit)
-    }
-
-    fn flag(&mut self) -> Option<bool> {
-        match self.0.next()? {
-            "0" => Some(false),
-            "1" => Some(true),
-            _ => None,
-        }
-    }
-
-    fn odometer(&mut self) -> Option<Odometer> {
-        Some(Odometer {
-            time_us: self.number()?,
-            left_ticks: self.number()?,
-            right_ticks: self.number()?,
-            heading: self.measure(MICRO)?,
-        })
-    }
-
-    fn text(&mut self) -> String {
-        self.0.next().unwrap_or_default().to_owned()
     }
 }
 

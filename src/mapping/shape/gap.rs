@@ -44,14 +44,14 @@ impl Gap {
         Some(Self { from: foot.point, to, near })
     }
 
-    /// Whether there is no gap: the two touch.
+    /// Whether there is as good as no gap.
     pub(super) fn is_closed(&self) -> bool {
         (self.to - self.from).norm() < TOUCHING
     }
 
     /// Whether the body sweeps a place of the gap from both sides, when it goes where the follower's
     /// disc goes, and a little deeper. `free` tells floor from things.
-    pub(super) fn is_swept(mut self, free: impl Fn(Point) -> bool, chassis: &Chassis) -> bool {
+    pub(super) fn is_swept(&self, free: impl Fn(Point) -> bool, chassis: &Chassis) -> bool {
         let (body, wide) = (chassis.radius, follow::clearance(chassis));
         let across = self.to - self.from;
         let middle = nalgebra::center(&self.from, &self.to);
@@ -61,11 +61,12 @@ impl Gap {
         }
         let deep = DEEPER * (wide - body);
         let far = body + width / 2.0 + deep;
-        self.near.retain(|piece| piece.distance(middle) < far + wide);
+        let near: Vec<&Piece> =
+            self.near.iter().filter(|piece| piece.distance(middle) < far + wide).collect();
         let grid = Grid::over(middle, middle, CELL, far);
         let cells: Vec<(Point, f64)> = (0..grid.len())
             .map(|k| grid.point(k))
-            .map(|p| (p, self.near.iter().map(|n| n.distance(p)).fold(f64::INFINITY, f64::min)))
+            .map(|p| (p, near.iter().map(|n| n.distance(p)).fold(f64::INFINITY, f64::min)))
             .filter(|(p, clearance)| *clearance >= body && free(*p))
             .collect();
         let passed: Vec<Point> =

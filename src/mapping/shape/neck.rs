@@ -27,7 +27,7 @@ const NECK: f64 = 0.25;
 const ROUND: f64 = 0.1;
 /// Nothing smaller than this is cut off, square metres.
 const SMALLEST: f64 = 8e-4;
-/// What is thinner than this is no thing and joins none, metres.
+/// What is thinner than this is no thing, metres.
 const THINNEST: f64 = 0.006;
 /// Nothing larger than this share of the room is cut off it.
 const LARGEST: f64 = 0.25;
@@ -121,6 +121,10 @@ fn cut(
         .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]));
     pairs.find_map(|(i, k)| {
         let (rest, island) = split(outline, i, k, floor)?;
+        // Both as they were cut and as they are fitted: a fit may leave out a thin end.
+        if Gap::between(&rest, &island)?.is_closed() {
+            return None;
+        }
         let (rest, island) = match floor {
             Floor::Inside => {
                 let island = fitted(island, &rest, contacts);
@@ -131,18 +135,8 @@ fn cut(
             }
         };
         let free = |p: Point| (floor == Floor::Inside) == rest.contains(p) && !island.contains(p);
-        let gap = Gap::between(&rest, &island)?;
-        let pinched = !gap.is_closed() && pinch(&pieces[i], &pieces[k]) < THINNEST;
-        (pinched || gap.is_swept(free, chassis)).then_some((rest, island))
+        Gap::between(&rest, &island)?.is_swept(free, chassis).then_some((rest, island))
     })
-}
-
-/// How near two straight pieces that do not cross come to each other, metres.
-fn pinch(one: &Piece, other: &Piece) -> f64 {
-    [one.distance(other.from()), one.distance(other.to())]
-        .into_iter()
-        .chain([other.distance(one.from()), other.distance(one.to())])
-        .fold(f64::INFINITY, f64::min)
 }
 
 /// The outline of what was cut off, fitted to its own contacts, where that looks like it: the cut

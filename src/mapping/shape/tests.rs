@@ -8,7 +8,7 @@ fn survey(name: &str, truth: &Ring) {
     for sigma in [0.0, 0.0015] {
         for seed in 0..4 {
             let contacts = roll(truth, Roll::new(sigma, seed));
-            match outline(&contacts, REACH) {
+            match outline(&contacts, REACH, 0.0) {
                 Err(why) => println!("{name} sigma {sigma} seed {seed}: {why}, {}", contacts.len()),
                 Ok(ring) => {
                     let error = compare(&ring, truth);

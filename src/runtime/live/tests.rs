@@ -238,7 +238,7 @@ fn a_long_silence_latches_and_the_operator_goes_on() {
     rig.until(22.5, |_| false);
     let state = rig.run.session().expect("a session").run_state();
     assert_eq!(state, RunState::Stopped, "the link was lost");
-    assert!(matches!(rig.run.snapshot(rig.now).robot, Known::Stale { .. }));
+    assert!(matches!(rig.run.snapshot(rig.now).robot, crate::session::Known::Stale { .. }));
     rig.until(6.0, |_| false);
     assert_eq!(rig.run.host().health(), Health::Up, "the line came back");
     assert!(rig.speed() < 1e-9, "it moved without a word of the operator");

@@ -1,0 +1,98 @@
+//! What a closed lap is: the two anchors that are one place, and the drift that had to be taken out for
+//! them to meet.
+
+use crate::geometry::Pose;
+use crate::mapping::drift::Unwound;
+use crate::mapping::follow::Side;
+use crate::mapping::odometry::Tracker;
+
+/// A place early in the lap at which it may close.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// Where.
+    pub pose: Pose,
+    /// Heading with whole turns counted, radians.
+    pub heading: f64,
+    /// Odometer, metres.
+    pub travelled: f64,
+    /// Robot time, microseconds.
+    pub time_us: u64,
+}
+
+impl Anchor {
+    /// Where the robot is now.
+    pub(super) fn here(tracker: &Tracker) -> Self {
+        Self {
+            pose: tracker.pose(),
+            heading: tracker.cumulative_heading(),
+            travelled: tracker.travelled(),
+            time_us: tracker.time_us(),
+        }
+    }
+
+    /// The same with a steady drift of the gyro taken out.
+    pub(super) fn unwound(&self, unwound: &Unwound) -> Self {
+        Self {
+            pose: unwound.pose(self.pose, self.time_us),
+            heading: self.heading + unwound.turn(self.time_us),
+            ..*self
+        }
+    }
+}
+
+/// A lap that closed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closure {
+    /// The place where it began.
+    pub from: Anchor,
+    /// The same place, a lap later.
+    pub to: Anchor,
+    /// On which hand the wall was.
+    pub side: Side,
+    /// Drift of the gyro that has to be taken out of all that was driven, radians per second: the
+    /// places above are without it.
+    pub drift: f64,
+    /// Odometer where its last round began, metres: `from`'s, unless it closed on a later round only.
+    pub last_round: f64,
+    /// What was driven round and round in a pocket on the way, if it came into one.
+    pub pocket: Option<Pocket>,
+}
+
+/// A stretch of a lap that ended where it began, and says nothing new.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pocket {
+    from: f64,
+    to: f64,
+}
+
+impl Pocket {
+    pub(super) fn new(from: f64, to: f64) -> Self {
+        Self { from, to }
+    }
+
+    /// Whether what was seen after `travelled` metres was seen on it.
+    #[must_use]
+    pub fn holds(&self, travelled: f64) -> bool {
+        (self.from..self.to).contains(&travelled)
+    }
+}
+
+impl Closure {
+    /// The same with a steady drift of the gyro taken out.
+    #[must_use]
+    pub fn unwound(&self, unwound: &Unwound) -> Self {
+        Self { from: self.from.unwound(unwound), to: self.to.unwound(unwound), ..*self }
+    }
+
+    /// Length of the lap along the robot's path, metres.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.to.travelled - self.from.travelled
+    }
+
+    /// Whether the robot went round the outside: it turned towards the wall in all.
+    #[must_use]
+    pub fn is_extrinsic(&self) -> bool {
+        (self.to.heading - self.from.heading) * self.side.sign() > 0.0
+    }
+}

@@ -1,0 +1,67 @@
+//! What a run over a line tells: the state for the screen, how it ended, the results.
+
+use super::LiveRun;
+use crate::export::RunRecord;
+use crate::runtime::Ending;
+use crate::session::{Known, Snapshot};
+use crate::wire::Health;
+use std::io::Write;
+
+impl<W: Write> LiveRun<W> {
+    /// The state for the screen; what is old says so.
+    #[must_use]
+    pub fn snapshot(&self, now: f64) -> Snapshot {
+        let Some(session) = &self.session else {
+            let mut waiting = Snapshot::waiting(self.plan.settings.clone(), self.plan.port.clone());
+            if let Some(ending) = &self.ended {
+                waiting.source = format!("{}: {}", self.plan.port, ending.reason);
+            }
+            return waiting;
+        };
+        let mut snapshot = session.snapshot();
+        if self.host.health() != Health::Up
+            && let Known::Known(value) = snapshot.robot
+        {
+            snapshot.robot = Known::Stale { value, age: self.host.silence(now) };
+        }
+        snapshot
+    }
+
+    /// How the run ended; none while there is more to do.
+    #[must_use]
+    pub fn ending(&self) -> Option<Ending> {
+        self.session.as_ref().and_then(Ending::of).or_else(|| self.ended.clone())
+    }
+
+    /// Fixes the map for [`LiveRun::record`] and ends the record of the run.
+    ///
+    /// # Errors
+    /// When part of the record could not be written.
+    pub fn conclude(&mut self) -> std::io::Result<()> {
+        if let Some(session) = &self.session {
+            self.map = session.mission().map_now();
+        }
+        self.journal.take().map_or(Ok(()), |journal| journal.finish().map(|_| ()))
+    }
+
+    /// What there is to tell; none when the robot never said who it is.
+    #[must_use]
+    pub fn record<'a>(&'a self, ending: &'a Ending, wall_seconds: f64) -> Option<RunRecord<'a>> {
+        let session = self.session.as_ref()?;
+        let mission = session.mission();
+        Some(RunRecord {
+            map: &self.map,
+            settings: mission.settings(),
+            outcome: ending.outcome,
+            reason: &ending.reason,
+            world: &self.plan.port,
+            noise: "",
+            progress: *session.progress(),
+            laps: mission.laps(),
+            bumps: mission.bumps(),
+            contact: 0.0,
+            true_path: None,
+            wall_seconds,
+        })
+    }
+}

@@ -13,6 +13,7 @@ use crate::mapping::event::{Event, EventKind, Severity};
 use crate::mapping::map::Phase;
 use crate::mapping::mission::{Mission, Outcome, Output};
 use crate::mapping::settings::Settings;
+use crate::mapping::tape::Tape;
 use crate::robot::{Command, Intent, Telemetry};
 use crate::safety::Gate;
 use std::collections::VecDeque;
@@ -137,6 +138,15 @@ impl Session {
                 self.pass_on(outputs, out);
                 if !taken {
                     let why = "α stays: lines of this plan are driven already".to_owned();
+                    self.note(EventKind::Reason { why }, out);
+                }
+            }
+            Intent::SetTape { from, to, length } => {
+                let mut outputs = Vec::new();
+                let taken = self.mission.set_tape(Tape { from, to, length }, &mut outputs);
+                self.pass_on(outputs, out);
+                if !taken {
+                    let why = "tape not used: lines of the plan are driven already".to_owned();
                     self.note(EventKind::Reason { why }, out);
                 }
             }

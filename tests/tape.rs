@@ -8,6 +8,8 @@ use periplus::geometry::Point;
 use periplus::mapping::map::{Phase, RoomMap};
 use periplus::mapping::settings::Settings;
 use periplus::mapping::tape::Tape;
+use periplus::robot::Intent;
+use periplus::session::snapshot::RunState;
 use periplus::simulator::{NoiseProfile, World};
 
 const ROOM: &str = include_str!("../sims/rectangle.toml");
@@ -50,4 +52,36 @@ fn a_tape_held_elsewhere_changes_nothing() {
     let (plain, odd) = (mapped(1, None), mapped(1, Some(held((0.0, 0.0), (5.0, 0.0), 3.0))));
     assert_eq!(odd.taped, None);
     assert_eq!(plain.shape, odd.shape);
+}
+
+#[test]
+fn a_tape_may_be_told_at_any_time_before_the_plan_is_driven() {
+    let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");
+    let Tape { from, to, length } = held((0.0, 0.0), (5.0, 0.0), 5.0);
+    let tell = Intent::SetTape { from, to, length };
+    let sizes: Vec<f64> = [0, 3]
+        .into_iter()
+        .map(|told_after| {
+            let settings = Settings { seed: 1, ..Settings::new(world.start) };
+            let mut run = common::begun(&world, settings, NoiseProfile::Raw);
+            for phase in 0..3 {
+                if phase == told_after {
+                    run.intent(tell);
+                }
+                run.intent(Intent::StepPhase);
+                while run.snapshot().run != RunState::Paused {
+                    run.advance();
+                }
+            }
+            if told_after == 3 {
+                run.intent(tell);
+            }
+            let map = run.snapshot().map;
+            assert!(map.taped.is_some(), "told after {told_after} phases, and not laid");
+            size(&map)
+        })
+        .collect();
+    for size in &sizes {
+        assert!((size - 1.0).abs() < 0.002, "{sizes:?}");
+    }
 }

@@ -1,10 +1,10 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
 use super::{ArgumentError, chassis, config};
-use crate::geometry::{Point, Pose, angle};
+use crate::geometry::{Pose, angle};
 use crate::mapping::map::Phase;
 use crate::mapping::settings::{Contour, Settings, Strategy};
-use crate::mapping::tape::Tape;
+use crate::mapping::tape::{Tape, TapeError};
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;
 use clap::Args;
@@ -131,21 +131,7 @@ pub(super) fn start(text: &str) -> Result<Pose, String> {
 
 /// A taped length: two places in metres, and what the tape said.
 pub(super) fn tape(text: &str) -> Result<Tape, String> {
-    let wrong = || {
-        "a taped length is X,Y:X,Y=M: two corners or walls, and the metres between them, such as \
-         0,0:5,0=5.02"
-            .to_owned()
-    };
-    let point = |text: &str| {
-        let (x, y) = text.split_once(',').ok_or_else(wrong)?;
-        Ok::<_, String>(Point::new(number(x)?, number(y)?))
-    };
-    let (ends, length) = text.split_once('=').ok_or_else(wrong)?;
-    let (from, to) = ends.split_once(':').ok_or_else(wrong)?;
-    match number(length)? {
-        length if length < 0.2 => Err("a taped length is 0.2 m at least".to_owned()),
-        length => Ok(Tape { from: point(from)?, to: point(to)?, length }),
-    }
+    text.parse().map_err(|error: TapeError| error.to_string())
 }
 
 /// A frame size such as 80x24.
@@ -258,7 +244,7 @@ mod tests {
     #[test]
     fn a_taped_length_has_two_ends_and_metres() {
         let taped = tape("0,0:-5,0.5=5.02").expect("a tape");
-        assert_eq!((taped.to, taped.length), (Point::new(-5.0, 0.5), 5.02));
+        assert_eq!((taped.to, taped.length), (crate::geometry::Point::new(-5.0, 0.5), 5.02));
         for bad in
             ["", "5", "0,0=5", "0,0:1,1", "0,0:1=2", "0,0:1,1=x", "0,0:1,1=0.1", "0,0:1,1=-2"]
         {

@@ -6,11 +6,13 @@
 
 use super::action::{ACTIONS, Action, nearest};
 use super::driver::Speed;
+use crate::mapping::tape::{Tape, TapeError};
 use thiserror::Error;
 
 /// Commands that take an argument: name, what follows, what it does.
 pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("alpha", "M", "set α, metres (0.05 to 2)"),
+    ("tape", "X,Y:X,Y=M", "stretch the map to a length that was taped between two places"),
     ("speed", "N", "set the speed of simulated time, or max"),
     ("export", "DIR", "write the map so far"),
 ];
@@ -25,6 +27,8 @@ pub enum Command {
     Action(Action),
     /// Another α, metres.
     Alpha(f64),
+    /// A taped length.
+    Tape(Tape),
     /// Another speed.
     Speed(Speed),
     /// Write the map to a folder.
@@ -48,6 +52,9 @@ pub enum CommandError {
     /// α out of range or not a number.
     #[error("alpha needs metres from 0.05 to 2, such as `alpha=0.3`")]
     Alpha,
+    /// No tape.
+    #[error("{0}")]
+    Tape(#[from] TapeError),
     /// Not one of the steps.
     #[error("speed needs one of {}", Speed::all())]
     Speed,
@@ -74,6 +81,7 @@ impl Command {
         match word {
             "" => Err(CommandError::Empty),
             "alpha" => parse_alpha(argument).map(Self::Alpha),
+            "tape" => Ok(Self::Tape(argument.parse()?)),
             "speed" => parse_speed(argument).map(Self::Speed),
             "export" if argument.is_empty() => Err(CommandError::Export),
             "export" => Ok(Self::Export(argument.to_owned())),
@@ -137,6 +145,7 @@ mod tests {
             ("alpha 0.3", Command::Alpha(0.3)),
             ("alpha=0.3", Command::Alpha(0.3)),
             (" alpha  .3 m ", Command::Alpha(0.3)),
+            ("tape=0,0:5,0=5.02", Command::Tape("0,0:5,0=5.02".parse().unwrap())),
             ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
             ("speed max", Command::Speed(Speed::MAX)),
             ("export some where", Command::Export("some where".to_owned())),
@@ -156,6 +165,8 @@ mod tests {
             ("alpha nan", "alpha needs metres"),
             ("alpha 0", "alpha needs metres"),
             ("alpha inf", "alpha needs metres"),
+            ("tape 5", "a taped length is X,Y:X,Y=M"),
+            ("tape 0,0:5,0=0.1", "a taped length is 0.2 m at least"),
             ("speed 3", "speed needs one of 1, 2, 5"),
             ("export", "export needs a folder"),
             ("stop now", "`stop` stands alone"),

@@ -9,6 +9,7 @@ use super::layout::Regions;
 use super::model::{Camera, Hint, Model, Overlay};
 use super::view::map::viewport;
 use crate::geometry::Vector;
+use crate::mapping::tape::Tape;
 use crate::robot::Intent;
 use crate::session::snapshot::{Known, RunState, Snapshot};
 use crossterm::event::KeyCode;
@@ -292,6 +293,9 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
     match command {
         Command::Action(action) => perform(model, snapshot, action),
         Command::Alpha(alpha) => set_alpha(model, alpha),
+        Command::Tape(Tape { from, to, length }) => {
+            vec![Effect::Intent(Intent::SetTape { from, to, length })]
+        }
         Command::Speed(speed) => set_speed(model, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
     }

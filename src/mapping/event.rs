@@ -99,6 +99,11 @@ pub enum EventKind {
         /// Real over believed travel of the wheels.
         stretch: f64,
     },
+    /// A taped length was given; it counts as soon as there is an outline.
+    TapeNoted {
+        /// What the tape said, metres.
+        taped: f64,
+    },
     /// A taped length is too far from the mapped one to be the same.
     TapeRefused {
         /// The length on the map, metres.

@@ -15,6 +15,7 @@ use super::odometry::Tracker;
 use super::search::Search;
 use super::settings::Settings;
 use super::survey::Survey;
+use super::tape::Tape;
 use super::tour::Tour;
 use super::wall::Wall;
 use crate::robot::{Command, CommandId, DoneReason, Motion, SwitchSet};
@@ -222,6 +223,26 @@ impl Mission {
         }
         self.settings.alpha = alpha;
         self.tell(EventKind::AlphaSet { alpha }, out);
+        if self.map.plan.is_some() {
+            self.make_plan(out);
+            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
+        }
+        true
+    }
+
+    /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of
+    /// the plan driven the map stays as it is, and false comes back.
+    pub fn set_tape(&mut self, tape: Tape, out: &mut Vec<Output>) -> bool {
+        let begun = matches!(&self.task, Task::Tour(tour) if tour.has_begun());
+        if begun || self.outcome != Outcome::Going {
+            return false;
+        }
+        self.settings.tape = Some(tape);
+        if self.map.shape.is_none() {
+            self.tell(EventKind::TapeNoted { taped: tape.length }, out);
+            return true;
+        }
+        self.tape_shape(out);
         if self.map.plan.is_some() {
             self.make_plan(out);
             self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));

@@ -6,6 +6,8 @@
 
 use crate::geometry::{Piece, Point, Ring};
 use serde::{Deserialize, Serialize};
+use std::str::FromStr;
+use thiserror::Error;
 
 /// An end this near to a corner of the outline is that corner, metres.
 const CORNER: f64 = 0.35;
@@ -34,6 +36,40 @@ pub struct Taped {
     pub taped: f64,
     /// By how much the robot's way was stretched: real over believed travel of the wheels.
     pub stretch: f64,
+}
+
+/// What is wrong with a written tape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum TapeError {
+    /// Not of that form.
+    #[error(
+        "a taped length is X,Y:X,Y=M: two corners or walls, and the metres between them, such as 0,0:5,0=5.02"
+    )]
+    Form,
+    /// Too short to say anything.
+    #[error("a taped length is 0.2 m at least")]
+    Short,
+}
+
+impl FromStr for Tape {
+    type Err = TapeError;
+
+    fn from_str(text: &str) -> Result<Self, TapeError> {
+        let number = |text: &str| -> Result<f64, TapeError> {
+            let value = text.trim().trim_end_matches('m').trim_end().parse();
+            value.ok().filter(|value: &f64| value.is_finite()).ok_or(TapeError::Form)
+        };
+        let point = |text: &str| {
+            let (x, y) = text.split_once(',').ok_or(TapeError::Form)?;
+            Ok(Point::new(number(x)?, number(y)?))
+        };
+        let (ends, length) = text.split_once('=').ok_or(TapeError::Form)?;
+        let (from, to) = ends.split_once(':').ok_or(TapeError::Form)?;
+        match number(length)? {
+            length if length < 0.2 => Err(TapeError::Short),
+            length => Ok(Self { from: point(from)?, to: point(to)?, length }),
+        }
+    }
 }
 
 impl Tape {

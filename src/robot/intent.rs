@@ -1,5 +1,6 @@
 //! What the operator may want; the only way in which a person speaks to the session.
 
+use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 
 /// One wish of the operator. Keys, the command line and scripts all become one of these.
@@ -25,6 +26,16 @@ pub enum Intent {
     SetAlpha {
         /// Metres.
         alpha: f64,
+    },
+    /// One length of the room was taped: the map is stretched to it, and the plan is made anew, as long
+    /// as none of its lines is driven yet.
+    SetTape {
+        /// About where one end was held, map frame, metres.
+        from: Point,
+        /// About where the other was.
+        to: Point,
+        /// What the tape said, metres.
+        length: f64,
     },
     /// The run is over: stop and keep what is known.
     Finish,

@@ -15,6 +15,16 @@ pub(crate) fn mapped(
     noise: NoiseProfile,
     phase: Phase,
 ) -> RoomMap {
+    let mut run = begun(world, settings, noise);
+    run.intent(Intent::Run);
+    while run.is_under_way() && run.snapshot().phase <= phase {
+        run.advance();
+    }
+    run.snapshot().map
+}
+
+/// A run that waits for its first intent.
+pub(crate) fn begun(world: &World, settings: Settings, noise: NoiseProfile) -> SimulatedRun<Sink> {
     let header = Header {
         settings,
         source: world.name.clone(),
@@ -22,10 +32,5 @@ pub(crate) fn mapped(
         until: None,
         robot: None,
     };
-    let mut run: SimulatedRun<Sink> = SimulatedRun::new(world, header, noise, None);
-    run.intent(Intent::Run);
-    while run.is_under_way() && run.snapshot().phase <= phase {
-        run.advance();
-    }
-    run.snapshot().map
+    SimulatedRun::new(world, header, noise, None)
 }

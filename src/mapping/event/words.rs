@@ -60,6 +60,26 @@ impl fmt::Display for ShapeClass {
     }
 }
 
+/// What became of a taped length.
+fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    match kind {
+        EventKind::TapeLaid { mapped, taped, stretch } => write!(
+            f,
+            "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map was stretched by {:+.2} %",
+            (stretch - 1.0) * 100.0
+        ),
+        EventKind::TapeRefused { mapped, taped } => write!(
+            f,
+            "taped length not used: {taped:.3} m, but {mapped:.3} m on the map; was it held here?"
+        ),
+        EventKind::TapeNoted { taped } => {
+            write!(f, "taped length noted: {taped:.3} m; it counts once the shape is found")
+        }
+        EventKind::TapeNowhere => f.write_str("taped length not used: no wall near its ends"),
+        _ => Ok(()),
+    }
+}
+
 fn recognised(f: &mut fmt::Formatter<'_>, object: Option<u32>, off: f64) -> fmt::Result {
     let name = object.map_or_else(|| "the boundary".to_owned(), |id| format!("O{id}"));
     write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
@@ -97,16 +117,10 @@ impl fmt::Display for EventKind {
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
                 hidden_disc * 1e3
             ),
-            Self::TapeLaid { mapped, taped, stretch } => write!(
-                f,
-                "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map was stretched by {:+.2} %",
-                (stretch - 1.0) * 100.0
-            ),
-            Self::TapeRefused { mapped, taped } => write!(
-                f,
-                "taped length not used: {taped:.3} m, but {mapped:.3} m on the map; was it held here?"
-            ),
-            Self::TapeNowhere => f.write_str("taped length not used: no wall near its ends"),
+            Self::TapeLaid { .. }
+            | Self::TapeRefused { .. }
+            | Self::TapeNoted { .. }
+            | Self::TapeNowhere => tape(f, self),
             Self::LineBegan { id, backwards: false } => write!(f, "line L{id} begins"),
             Self::LineBegan { id, backwards: true } => write!(f, "line L{id} begins, from its end"),
             Self::LineDriven { id } => write!(f, "line L{id} driven"),

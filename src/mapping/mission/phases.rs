@@ -157,6 +157,18 @@ impl Mission {
         Ok(outline)
     }
 
+    /// Lays the tape on the outline that there is.
+    pub(super) fn tape_shape(&mut self, out: &mut Vec<Output>) {
+        let Some(fitted) = self.map.shape.as_ref().map(|shape| shape.outline.clone()) else {
+            return;
+        };
+        // An outline that can not be fitted any more stays what it was.
+        let Ok(outline) = self.lay_tape(fitted, out) else { return };
+        self.map.shape = Some(shape::identify(outline, &self.map.contacts));
+        let start = self.settings.start.position;
+        Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
+    }
+
     /// Stretches the way the robot went, and what it saw from there, away from the start.
     fn stretch(&mut self, stretch: f64) {
         let start = self.settings.start.position;

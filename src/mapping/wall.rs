@@ -363,3 +363,46 @@ impl Wall {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The robot touches something and then turns on the spot by `angle`, all switches open.
+    fn turned_after_a_touch(angle: f64) -> (Wall, Sighting) {
+        let mut wall = Wall::new(&Chassis::default());
+        let at = Pose::new(0.0, 0.0, 0.0);
+        let touch = wall.touch(at, 0.0, 0);
+        // Backing off brings the place of the touch within the beams.
+        let back = Pose::new(-0.03, 0.0, 0.0);
+        wall.carve(back, SwitchSet::EMPTY, 0.03);
+        wall.carve(Pose::new(-0.03, 0.0, angle), SwitchSet::EMPTY, 0.03);
+        (wall, touch)
+    }
+
+    #[test]
+    fn a_touch_is_taken_to_be_ahead() {
+        let (wall, touch) = turned_after_a_touch(0.0);
+        assert!((touch.point - Point::new(0.1, 0.0)).norm() < 1e-12);
+        assert_eq!(wall.near().next(), Some(&touch));
+    }
+
+    #[test]
+    fn a_touch_that_a_beam_passes_was_elsewhere_on_the_rim() {
+        let (wall, touch) = turned_after_a_touch(-1.0);
+        let moved = wall.near().next().expect("still a touch");
+        assert_ne!(moved.point, touch.point);
+        assert!((moved.point.coords.norm() - 0.1).abs() < 1e-9, "not on the rim: {moved:?}");
+        assert_eq!(moved.kind, ContactKind::Touch);
+    }
+
+    #[test]
+    fn a_touch_that_was_nowhere_on_the_rim_is_forgotten() {
+        let (mut wall, _) = turned_after_a_touch(0.0);
+        for turn in 1..=24 {
+            let heading = f64::from(turn) * 0.5;
+            wall.carve(Pose::new(-0.03, 0.0, heading), SwitchSet::EMPTY, 0.03);
+        }
+        assert_eq!(wall.near().count(), 0);
+    }
+}

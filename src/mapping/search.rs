@@ -308,9 +308,8 @@ pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> 
         seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
     };
     let mut contacts: Vec<Contact> = wall
-        .log()
-        .iter()
-        .filter(|seen| seen.alive && towards(seen))
+        .surfaces()
+        .filter(|seen| towards(seen))
         .filter(|seen| {
             seen.travelled > closure.last_round - 0.02
                 && seen.travelled <= closure.to.travelled + 0.1

@@ -113,7 +113,14 @@ impl Wall {
     /// What of it still holds, as it goes into the map.
     #[must_use]
     pub fn contacts(&self) -> Vec<Contact> {
-        self.log.iter().filter(|seen| seen.alive).map(Sighting::contact).collect()
+        self.surfaces().map(Sighting::contact).collect()
+    }
+
+    /// The living sightings that place a surface: what [`Wall::pull_in`] put somewhere keeps the robot
+    /// off, and is no part of a map.
+    pub fn surfaces(&self) -> impl Iterator<Item = &Sighting> {
+        let guessed = |seen: &Sighting| seen.kind == ContactKind::Touch && seen.sensor.is_some();
+        self.log.iter().filter(move |seen| seen.alive && !guessed(seen))
     }
 
     /// Takes a steady drift of the gyro out of all that was seen.

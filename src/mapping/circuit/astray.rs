@@ -8,7 +8,7 @@ use crate::geometry::{Point, angle};
 /// The same place again: nearer than this, metres ...
 const NEAR: f64 = 0.08;
 /// ... and a share of what was driven since, up to this, metres, for what odometry loses ...
-const LOST: f64 = 0.01;
+const DRIFT: f64 = 0.01;
 const FARTHEST: f64 = 0.3;
 /// ... and facing the same way within this, radians.
 const FACING: f64 = 0.3;
@@ -26,7 +26,7 @@ pub(super) fn visits(trail: &[Anchor], beginning: Point) -> (usize, f64) {
     let away = |place: &&Anchor| (place.pose.position - beginning).norm() > BEGINNING;
     for place in before.iter().rev().take_while(away) {
         let since = now.travelled - place.travelled;
-        let near = (NEAR + LOST * since).min(FARTHEST);
+        let near = (NEAR + DRIFT * since).min(FARTHEST);
         let again = last - place.travelled > SHORTEST_ROUND
             && (place.pose.position - now.pose.position).norm() < near
             && angle::wrap(place.pose.heading - now.pose.heading).abs() < FACING;

@@ -1,6 +1,7 @@
-//! Whether what lies between two things is floor, when the body fits between them at no place: if
-//! the body, coming from either side as near as it can, sweeps all of the narrowest place, nothing
-//! stands there. Two corners that all but touch are told from two walls side by side like that.
+//! Whether what lies between two things is floor, when the robot does not pass between them: if the
+//! body, led by the follower from either side and a little deeper, sweeps a place of the gap from
+//! both, nothing joins the two there. Two corners near each other are told from two walls side by
+//! side like that. Knows two outlines and the body, not where the robot drove.
 
 use crate::geometry::raster::Grid;
 use crate::geometry::{Piece, Point, Ring, perp};

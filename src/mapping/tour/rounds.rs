@@ -121,9 +121,8 @@ impl Tour {
         let contacts: Vec<_> = round
             .circuit
             .wall
-            .log()
-            .iter()
-            .filter(|seen| seen.alive && self.chart.outline().distance(seen.point) > KNOWN)
+            .surfaces()
+            .filter(|seen| self.chart.outline().distance(seen.point) > KNOWN)
             .map(Sighting::contact)
             .collect();
         scene.tell.push(EventKind::ObjectOpen { id: round.id, why });

@@ -121,7 +121,7 @@ fn with_request(alpha: f64, run: impl FnOnce(&PlanRequest<'_>)) {
     run(&PlanRequest {
         shape: &shape(&outline),
         objects: &[],
-        driven: &lap(&outline),
+        driven: &Coverage::of(&lap(&outline)),
         from: Point::new(0.5, 0.145),
         settings: &settings(alpha),
     });

@@ -16,6 +16,7 @@ pub mod mission;
 pub mod odometry;
 pub mod passing;
 pub mod plan;
+pub mod relocate;
 pub mod search;
 pub mod settings;
 pub mod shape;

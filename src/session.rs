@@ -150,6 +150,16 @@ impl Session {
                     self.note(EventKind::Reason { why }, out);
                 }
             }
+            Intent::Placed { near } => {
+                let mut outputs = Vec::new();
+                let taken = self.mission.placed(near, &mut outputs);
+                self.pass_on(outputs, out);
+                if !taken {
+                    let why =
+                        "not while the robot moves, nor after the run: stop it first".to_owned();
+                    self.note(EventKind::Reason { why }, out);
+                }
+            }
             Intent::Finish => {
                 out.push(Outgoing::Stop);
                 let mut outputs = Vec::new();
@@ -178,6 +188,11 @@ impl Session {
         // Bounded: a mission that decides without ever moving is at fault, and stops here.
         for _ in 0..1000 {
             let may = matches!(self.run, RunState::Running | RunState::Stepping(_));
+            if may && self.mission.waits_for_place() {
+                // Nothing can be done before the operator says where the robot is.
+                self.run = RunState::Paused;
+                break;
+            }
             if !may || !self.heard || !self.mission.is_ready() {
                 break;
             }
@@ -255,7 +270,7 @@ impl Session {
         let tracker = self.mission.tracker();
         let (switches, bumper) = self.mission.switches();
         let view = RobotView {
-            pose: tracker.pose(),
+            pose: (!self.mission.is_lost()).then(|| tracker.pose()),
             position_sd: self.mission.position_sd(),
             switches,
             bumper,

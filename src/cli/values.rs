@@ -1,7 +1,8 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
 use super::{ArgumentError, chassis, config};
-use crate::geometry::{Pose, angle};
+use crate::geometry::Pose;
+use crate::geometry::pose::PoseError;
 use crate::mapping::map::Phase;
 use crate::mapping::settings::{Contour, Settings, Strategy};
 use crate::mapping::tape::{Tape, TapeError};
@@ -48,6 +49,15 @@ pub struct Common {
     /// Folder of an interrupted run to go on with
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
+    /// With --resume, a robot that was carried: about where it stands now
+    #[arg(
+        long,
+        value_name = "X,Y,DEG",
+        value_parser = start,
+        allow_hyphen_values = true,
+        requires = "resume"
+    )]
+    pub placed: Option<Pose>,
 }
 
 /// Size of a frame, in cells.
@@ -119,14 +129,9 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A start pose: x and y in metres, heading in degrees.
+/// A pose: x and y in metres, heading in degrees.
 pub(super) fn start(text: &str) -> Result<Pose, String> {
-    let parts: Vec<&str> = text.split(',').collect();
-    let [x, y, degrees] = parts[..] else {
-        return Err("a start is X,Y,DEG: metres and degrees, such as 0.6,0.6,90".to_owned());
-    };
-    let heading = angle::wrap(number(degrees)?.to_radians());
-    Ok(Pose::new(number(x)?, number(y)?, heading))
+    text.parse().map_err(|error: PoseError| format!("this wants {error}"))
 }
 
 /// A taped length: two places in metres, and what the tape said.
@@ -222,6 +227,7 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::angle;
 
     #[test]
     fn alpha_is_a_length_and_nothing_else() {

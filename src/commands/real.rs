@@ -105,7 +105,8 @@ fn take_up(
     let plan =
         Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
     let (folder, journal) = OutputFolder::reopen(dir, sound)?;
-    let interrupted = Interrupted { session, robot, unrecorded, records };
+    let placed = common.placed;
+    let interrupted = Interrupted { session, robot, placed, unrecorded, records };
     let line = Line::open(address.clone(), plan, journal, Some(interrupted));
     Ok((line.map_err(|error| CommandError::Input(error.to_string()))?, folder))
 }

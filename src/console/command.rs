@@ -6,6 +6,8 @@
 
 use super::action::{ACTIONS, Action, nearest};
 use super::driver::Speed;
+use crate::geometry::Pose;
+use crate::geometry::pose::PoseError;
 use crate::mapping::tape::{Tape, TapeError};
 use thiserror::Error;
 
@@ -13,6 +15,7 @@ use thiserror::Error;
 pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("alpha", "M", "set α, metres (0.05 to 2)"),
     ("tape", "X,Y:X,Y=M", "stretch the map to a length that was taped between two places"),
+    ("placed", "X,Y,DEG", "the robot was carried, about there; alone: nobody knows where"),
     ("speed", "N", "set the speed of simulated time, or max"),
     ("export", "DIR", "write the map so far"),
 ];
@@ -29,6 +32,8 @@ pub enum Command {
     Alpha(f64),
     /// A taped length.
     Tape(Tape),
+    /// The robot was carried, about there if anybody knows.
+    Placed(Option<Pose>),
     /// Another speed.
     Speed(Speed),
     /// Write the map to a folder.
@@ -55,6 +60,9 @@ pub enum CommandError {
     /// No tape.
     #[error("{0}")]
     Tape(#[from] TapeError),
+    /// No pose.
+    #[error("placed takes nothing, or {0}")]
+    Placed(#[from] PoseError),
     /// Not one of the steps.
     #[error("speed needs one of {}", Speed::all())]
     Speed,
@@ -82,6 +90,8 @@ impl Command {
             "" => Err(CommandError::Empty),
             "alpha" => parse_alpha(argument).map(Self::Alpha),
             "tape" => Ok(Self::Tape(argument.parse()?)),
+            "placed" if argument.is_empty() => Ok(Self::Placed(None)),
+            "placed" => Ok(Self::Placed(Some(argument.parse()?))),
             "speed" => parse_speed(argument).map(Self::Speed),
             "export" if argument.is_empty() => Err(CommandError::Export),
             "export" => Ok(Self::Export(argument.to_owned())),
@@ -138,6 +148,7 @@ fn parse_speed(text: &str) -> Result<Speed, CommandError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::angle;
 
     #[test]
     fn commands_are_understood() {
@@ -146,6 +157,8 @@ mod tests {
             ("alpha=0.3", Command::Alpha(0.3)),
             (" alpha  .3 m ", Command::Alpha(0.3)),
             ("tape=0,0:5,0=5.02", Command::Tape("0,0:5,0=5.02".parse().unwrap())),
+            ("placed", Command::Placed(None)),
+            ("placed=1,-2.5,180", Command::Placed(Some(Pose::new(1.0, -2.5, -angle::PI)))),
             ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
             ("speed max", Command::Speed(Speed::MAX)),
             ("export some where", Command::Export("some where".to_owned())),
@@ -167,6 +180,8 @@ mod tests {
             ("alpha inf", "alpha needs metres"),
             ("tape 5", "a taped length is X,Y:X,Y=M"),
             ("tape 0,0:5,0=0.1", "a taped length is 0.2 m at least"),
+            ("placed 3", "placed takes nothing, or a pose X,Y,DEG"),
+            ("placed 1,2,nan", "placed takes nothing, or a pose X,Y,DEG"),
             ("speed 3", "speed needs one of 1, 2, 5"),
             ("export", "export needs a folder"),
             ("stop now", "`stop` stands alone"),

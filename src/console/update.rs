@@ -296,6 +296,7 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
         Command::Tape(Tape { from, to, length }) => {
             vec![Effect::Intent(Intent::SetTape { from, to, length })]
         }
+        Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
         Command::Speed(speed) => set_speed(model, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
     }

@@ -110,20 +110,26 @@ struct Vertex {
     believed: [f64; 2],
     truth: Option<[f64; 2]>,
     boundary: bool,
+    carried: bool,
 }
 
 /// The trajectory in stretches of one phase each. A stretch begins with the vertex that the one
-/// before it ends with; `true_path` has the same stretches with the same vertices.
+/// before it ends with, unless the robot was carried there; `true_path` has the same stretches with
+/// the same vertices.
 fn paths(record: &RunRecord<'_>) -> Vec<Value> {
     let vertices = vertices(record);
     let mut all = Vec::new();
     let mut truths = Vec::new();
     let mut first = 0;
     while first + 1 < vertices.len() {
+        if vertices[first + 1].carried {
+            first += 1;
+            continue;
+        }
         // A piece of trajectory belongs to the phase in which it ended.
         let boundary = vertices[first + 1].boundary;
-        let run =
-            vertices[first + 1..].iter().take_while(|vertex| vertex.boundary == boundary).count();
+        let on = |vertex: &&Vertex| vertex.boundary == boundary && !vertex.carried;
+        let run = vertices[first + 1..].iter().take_while(on).count();
         let stretch = &vertices[first..=first + run];
         let more = json!({ "phase": if boundary { "boundary" } else { "objects" } });
         let believed: Vec<[f64; 2]> = stretch.iter().map(|vertex| vertex.believed).collect();
@@ -146,9 +152,11 @@ fn vertices(record: &RunRecord<'_>) -> Vec<Vertex> {
             believed: position(point.pose.position),
             truth: truth.map(|truth| position(truth[k].position)),
             boundary: point.phase != Phase::Objects,
+            carried: point.carried,
         };
         // Turning on the spot adds vertices that no reader can tell apart.
         let same = vertices.len() > 1
+            && !point.carried
             && vertices.last().is_some_and(|last| {
                 last.believed == vertex.believed
                     && last.truth == vertex.truth

@@ -201,7 +201,14 @@ fn path() -> Vec<PathPoint> {
             let at = from + (to - from) * (f64::from(k) / f64::from(steps));
             let pose = Pose { position: at, heading };
             let phase = if k == 0 { pair[0].2 } else { pair[1].2 };
-            points.push(PathPoint { pose, time_us, rested_us: 0, spun: Spun::default(), phase });
+            points.push(PathPoint {
+                pose,
+                time_us,
+                rested_us: 0,
+                spun: Spun::default(),
+                phase,
+                carried: false,
+            });
             time_us += 500_000;
         }
     }

@@ -41,6 +41,7 @@ mod tests {
             pose: Pose::new(0.0, 0.0, 0.0),
             time_us,
             phase: Phase::Boundary,
+            carried: false,
         };
         times.iter().map(point).collect()
     }

@@ -2,6 +2,7 @@
 
 use super::{Point, Vector, angle};
 use serde::{Deserialize, Serialize};
+use std::str::FromStr;
 
 /// Where something is and which way it faces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -10,6 +11,25 @@ pub struct Pose {
     pub position: Point,
     /// Direction of travel, radians counter-clockwise from +x.
     pub heading: f64,
+}
+
+/// What is no pose.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a pose X,Y,DEG: metres, and degrees counter-clockwise from +x, such as 0.6,0.6,90")]
+pub struct PoseError;
+
+/// As people write it: `X,Y,DEG`, metres and degrees counter-clockwise from +x.
+impl FromStr for Pose {
+    type Err = PoseError;
+
+    fn from_str(text: &str) -> Result<Self, PoseError> {
+        let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        let parts: Option<Vec<f64>> = text.split(',').map(number).collect();
+        match parts.as_deref() {
+            Some(&[x, y, degrees]) => Ok(Self::new(x, y, angle::wrap(degrees.to_radians()))),
+            _ => Err(PoseError),
+        }
+    }
 }
 
 impl Pose {

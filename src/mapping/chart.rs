@@ -98,6 +98,14 @@ impl Chart {
         best
     }
 
+    /// What the charted surface nearest to `p` hangs on; none without surfaces.
+    #[must_use]
+    pub fn tie_at(&self, survey: &Survey, p: Point) -> Option<Tie> {
+        let nearest =
+            self.rings.iter().min_by(|a, b| a.shown.distance(p).total_cmp(&b.shown.distance(p)))?;
+        (survey.knots() > 0).then(|| self.tie(nearest, survey, p))
+    }
+
     /// What is charted, boundary first, as it was before the survey moved it: outline, and what its
     /// place nearest to `p` hangs on.
     pub fn nominal<'a>(

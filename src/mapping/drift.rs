@@ -173,7 +173,14 @@ mod tests {
             let spun = Spun { gyro: heading, ..Spun::default() };
             let pose = Pose { position, heading: angle::wrap(heading) };
             let time_us = k * 1_000_000;
-            path.push(PathPoint { pose, time_us, rested_us: 0, spun, phase: Phase::Boundary });
+            path.push(PathPoint {
+                pose,
+                time_us,
+                rested_us: 0,
+                spun,
+                phase: Phase::Boundary,
+                carried: false,
+            });
             position += angle::unit(heading + rate / 2.0) * 0.1;
         }
         path

@@ -200,6 +200,27 @@ pub enum EventKind {
         /// One standard deviation of its position beside the walls there, metres.
         sd: f64,
     },
+    /// The robot is not where it was believed to be any more: it was carried, or started anew.
+    Carried,
+    /// With no boundary to know the place by, the lap begins anew; this many objects are dropped.
+    BegunAnew {
+        /// Objects that were found before.
+        dropped: usize,
+    },
+    /// The robot knows again where it is.
+    PlaceFound {
+        /// Where, map frame.
+        at: Point,
+        /// Metres driven to find it.
+        driven: f64,
+    },
+    /// It cannot know where it is: no boundary is closed yet.
+    PlaceNeeded,
+    /// It does not, after all that could be driven.
+    PlaceUnclear {
+        /// Places of the map that look like this one.
+        places: usize,
+    },
     /// The tour is over, and more than α may still hide somewhere.
     StillHidden {
         /// Diameter of the largest disc, metres.

@@ -298,6 +298,14 @@ pub struct PathPoint {
     pub spun: Spun,
     /// Which phase it belongs to.
     pub phase: Phase,
+    /// The robot was carried here: it did not drive from the place before to this one.
+    #[serde(default)]
+    pub carried: bool,
+}
+
+/// The pieces of a trajectory in which the robot drove all the way.
+pub fn stretches(path: &[PathPoint]) -> impl Iterator<Item = &[PathPoint]> {
+    path.chunk_by(|_, next| !next.carried)
 }
 
 /// Everything known so far.

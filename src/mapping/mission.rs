@@ -7,11 +7,13 @@
 
 mod hearing;
 mod phases;
+mod place;
 
 use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
 use super::map::{Contact, Phase, RoomMap};
 use super::odometry::Tracker;
+use super::relocate::Relocation;
 use super::search::Search;
 use super::settings::Settings;
 use super::survey::Survey;
@@ -47,7 +49,20 @@ enum Task {
     Shape,
     Plan,
     Tour(Box<Tour>),
+    /// The robot was carried off from its tour and looks for its place.
+    Relocate(Box<Relocation>, Box<Tour>),
     Over,
+}
+
+/// A robot that does not know where it is: its pose is in a frame of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Lost {
+    /// Place of the trajectory from which on that is so.
+    since: usize,
+    /// The operator said about where it is.
+    told: bool,
+    /// Nothing more can be done without the operator's word.
+    waits: bool,
 }
 
 /// A motion that was sent and has not ended.
@@ -75,6 +90,7 @@ pub struct Mission {
     awaited: Option<Awaited>,
     began: bool,
     laps: u32,
+    lost: Option<Lost>,
 }
 
 impl Mission {
@@ -89,7 +105,7 @@ impl Mission {
             tracker,
             map: RoomMap::default(),
             phase: Phase::Boundary,
-            task: Task::Search(Box::new(Search::new(&settings))),
+            task: Task::Search(Box::new(Search::new(&settings, settings.start))),
             outcome: Outcome::Going,
             rest,
             closed: SwitchSet::EMPTY,
@@ -99,6 +115,7 @@ impl Mission {
             awaited: None,
             began: false,
             laps: 0,
+            lost: None,
             settings,
         }
     }
@@ -106,7 +123,19 @@ impl Mission {
     /// Whether the robot is at rest and [`Mission::proceed`] may be called.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        self.awaited.is_none() && self.outcome == Outcome::Going
+        self.awaited.is_none() && self.outcome == Outcome::Going && !self.waits_for_place()
+    }
+
+    /// Whether the robot's place is not known at present.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.lost.is_some()
+    }
+
+    /// Whether it cannot find its place without the operator's word.
+    #[must_use]
+    pub fn waits_for_place(&self) -> bool {
+        self.lost.is_some_and(|lost| lost.waits)
     }
 
     /// How the run stands.
@@ -182,7 +211,8 @@ impl Mission {
     #[must_use]
     pub fn map_now(&self) -> RoomMap {
         let mut map = self.map.clone();
-        map.path = self.tracker.path().to_vec();
+        let known = self.lost.map_or(usize::MAX, |lost| lost.since);
+        map.path = self.tracker.path().iter().take(known).copied().collect();
         if !map.closed {
             map.contacts = self.live_contacts();
         }
@@ -195,7 +225,7 @@ impl Mission {
         let wall = match &self.task {
             Task::Search(search) => Some(search.wall()),
             Task::Tour(tour) => Some(tour.wall()),
-            Task::Shape | Task::Plan | Task::Over => None,
+            Task::Relocate(..) | Task::Shape | Task::Plan | Task::Over => None,
         };
         wall.map_or_else(Vec::new, Wall::contacts)
     }
@@ -208,7 +238,7 @@ impl Mission {
                 let closed = super::circuit::Circuit::looks_closed;
                 search.circuit().is_some_and(closed).then_some(0.95)
             }
-            Task::Tour(tour) => Some(tour.share()),
+            Task::Tour(tour) | Task::Relocate(_, tour) => Some(tour.share()),
             Task::Shape | Task::Plan => Some(0.0),
             Task::Over => Some(1.0),
         }
@@ -217,7 +247,8 @@ impl Mission {
     /// Uses another α. The plan is made anew if there is one and none of it is driven yet; with
     /// lines driven it stays as it is, and false comes back.
     pub fn set_alpha(&mut self, alpha: f64, out: &mut Vec<Output>) -> bool {
-        let begun = matches!(&self.task, Task::Tour(tour) if tour.has_begun());
+        let begun =
+            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
         if begun || self.outcome != Outcome::Going {
             return false;
         }
@@ -233,7 +264,8 @@ impl Mission {
     /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of
     /// the plan driven the map stays as it is, and false comes back.
     pub fn set_tape(&mut self, tape: Tape, out: &mut Vec<Output>) -> bool {
-        let begun = matches!(&self.task, Task::Tour(tour) if tour.has_begun());
+        let begun =
+            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
         if begun || self.outcome != Outcome::Going {
             return false;
         }
@@ -261,6 +293,7 @@ impl Mission {
         match &mut self.task {
             Task::Search(search) => Some(search.wall_mut()),
             Task::Tour(tour) => Some(tour.wall_mut()),
+            Task::Relocate(relocation, _) => Some(relocation.wall_mut()),
             Task::Shape | Task::Plan | Task::Over => None,
         }
     }
@@ -321,7 +354,9 @@ impl Mission {
                 self.task =
                     Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
             }
+            Task::Tour(tour) if self.lost.is_some() => self.begin_relocating(tour, out),
             Task::Tour(tour) => self.tour(tour, out),
+            Task::Relocate(relocation, tour) => self.relocate(relocation, tour, out),
             Task::Over => {}
         }
     }

@@ -122,7 +122,7 @@ impl Tracker {
         if moved {
             let rested_us = self.rested_us;
             let (pose, spun) = (self.pose, self.spun);
-            self.path.push(PathPoint { pose, time_us, rested_us, spun, phase });
+            self.path.push(PathPoint { pose, time_us, rested_us, spun, phase, carried: false });
         }
     }
 
@@ -152,6 +152,28 @@ impl Tracker {
         let begun = self.fixed.since;
         self.settle(to);
         self.fixed.since = begun;
+    }
+
+    /// All that was driven since place `since` of the trajectory was believed in a frame of its own, and
+    /// `onto` takes it to the map; the robot had been carried there.
+    pub fn carry(&mut self, since: usize, onto: &Pose) {
+        let there = |pose: Pose| Pose {
+            position: onto.to_world(pose.position),
+            heading: angle::wrap(pose.heading + onto.heading),
+        };
+        for point in self.path.iter_mut().skip(since) {
+            point.pose = there(point.pose);
+        }
+        if let Some(first) = self.path.get_mut(since) {
+            first.carried = true;
+        }
+        self.settle(there(self.pose));
+    }
+
+    /// Begins anew at `pose`: what was driven before does not count.
+    pub fn begin_anew(&mut self, pose: Pose) {
+        self.path.clear();
+        self.settle(pose);
     }
 
     /// Goes on from `to`, to which all that was driven leads by now.
@@ -253,6 +275,12 @@ impl Tracker {
     #[must_use]
     pub fn travelled(&self) -> f64 {
         self.travelled
+    }
+
+    /// The last reading; none before the first.
+    #[must_use]
+    pub fn last(&self) -> Option<Odometer> {
+        self.last
     }
 
     /// Robot time of the last reading, microseconds.

@@ -32,7 +32,7 @@ pub struct PlanRequest<'a> {
     /// Objects known already.
     pub objects: &'a [MappedObject],
     /// Where the centre has been so far: the boundary's lap and what came before it.
-    pub driven: &'a [Point],
+    pub driven: &'a Coverage,
     /// Where the robot stands.
     pub from: Point,
     /// α, strategy, seed and body.
@@ -57,7 +57,7 @@ fn made(request: &PlanRequest<'_>, with_others: bool) -> Plan {
     let outline = &request.shape.outline;
     let floor = Floor::new(outline, &rings, &settings.chassis, request.from);
     let mut lines = paper::lines(&floor, request.shape, settings.alpha, settings.seed);
-    let driven = Coverage::of(request.driven);
+    let driven = request.driven;
     let work = Work {
         floor: &floor,
         shape: request.shape,

@@ -62,22 +62,31 @@ pub struct Search {
     laps: u32,
     /// The laps that went round something extrinsic, with what was seen on them.
     earlier: Vec<(Closure, Wall)>,
+    /// Whether a lap may be looked at without each drift that the gyro may have.
+    any_drift: bool,
 }
 
 impl Search {
-    /// Begins at the start pose, in the direction the robot faces.
+    /// Begins at the pose `from`, in the direction the robot faces.
     #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &Settings, from: Pose) -> Self {
         Self {
             chassis: settings.chassis.clone(),
             doing: Doing::Turning,
-            line: settings.start,
+            line: from,
             tried: 0,
             rng: ChaCha8Rng::seed_from_u64(settings.seed),
             wall: Wall::new(&settings.chassis),
             laps: 0,
             earlier: Vec::new(),
+            any_drift: true,
         }
+    }
+
+    /// The same by a robot that has mapped the room: what its gyro's drift is, is known by then.
+    #[must_use]
+    pub fn relocating(settings: &Settings, from: Pose) -> Self {
+        Self { any_drift: false, ..Self::new(settings, from) }
     }
 
     /// Laps closed so far.
@@ -267,7 +276,8 @@ impl Search {
             Doing::Passing(Box::new(passing))
         } else {
             tell.push(EventKind::ContactGained { by });
-            let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).with_any_drift();
+            let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP);
+            let circuit = if self.any_drift { circuit.with_any_drift() } else { circuit };
             Doing::Lapping(Box::new(circuit))
         };
         None

@@ -285,6 +285,47 @@ impl Survey {
         std::mem::replace(&mut self.mean[BIAS], 0.0)
     }
 
+    /// The robot's gyro was started anew: its drift may be another one now.
+    pub fn started_anew(&mut self) {
+        self.covariance[(BIAS, BIAS)] += BIAS_SD * BIAS_SD;
+    }
+
+    /// The robot was lost and is found at `at`, beside what hangs on `tie`: its pose errs with that,
+    /// and by `sd` more (metres, radians), whatever it was off by before.
+    pub fn found(&mut self, at: Point, tie: &Tie, sd: (f64, f64)) {
+        let size = self.mean.len();
+        let mut rows: [Vec<(usize, f64)>; 3] = [Vec::new(), Vec::new(), Vec::new()];
+        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
+            let Some(knot) = self.knots.get(index) else { continue };
+            let (start, arm) = (FIRST_KNOT + 3 * index, perp(at - knot.at));
+            rows[0].extend([(start, share), (start + 2, share * arm.x)]);
+            rows[1].extend([(start + 1, share), (start + 2, share * arm.y)]);
+            rows[2].push((start + 2, share));
+        }
+        // Rows of the new pose against everything, then of the pose against itself.
+        let against = rows.each_ref().map(|row| {
+            let mut sum = DVector::zeros(size);
+            for &(other, weight) in row {
+                sum.axpy(weight, &self.covariance.column(other), 1.0);
+            }
+            sum
+        });
+        for (k, sum) in against.iter().enumerate() {
+            for other in BIAS..size {
+                self.covariance[(POSE + k, other)] = sum[other];
+                self.covariance[(other, POSE + k)] = sum[other];
+            }
+            for (l, row) in rows.iter().enumerate() {
+                self.covariance[(POSE + k, POSE + l)] =
+                    row.iter().map(|(other, weight)| sum[*other] * weight).sum();
+            }
+        }
+        for (k, sd) in [sd.0, sd.0, sd.1].into_iter().enumerate() {
+            self.covariance[(POSE + k, POSE + k)] += sd * sd;
+            self.mean[POSE + k] = 0.0;
+        }
+    }
+
     /// What the corrections so far make of a row.
     fn expected(&self, row: &[(usize, f64)]) -> f64 {
         row.iter().map(|(i, w)| self.mean[*i] * w).sum()

@@ -24,7 +24,7 @@ use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring};
 use crate::robot::Chassis;
-use drive::{Drive, best_chord};
+use drive::{Drive, Purpose, best_chord};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 
@@ -253,6 +253,29 @@ impl Tour {
         }
     }
 
+    /// The robot was carried off: what it was doing is left undone, and its line is driven again.
+    pub fn interrupt(&mut self, map: &mut RoomMap) {
+        self.wall = Wall::new(&self.chassis);
+        self.look_next = None;
+        let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
+            Doing::Choosing => return,
+            Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
+                *drive
+            }
+            Doing::Rounding(round) => round.into_drive(),
+        };
+        if drive.purpose == Purpose::Bearings {
+            return;
+        }
+        self.driven -= drive.done;
+        self.halves.retain(|(id, _)| *id != drive.id);
+        self.queue.push_front((drive.id, drive.backwards));
+        let line = map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
+        if let Some(line) = line {
+            finish(line, LineStatus::Planned, None);
+        }
+    }
+
     /// The line in hand is at an end: nothing on it leads anywhere.
     fn give_up(&mut self, scene: &mut Scene<'_>) {
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
@@ -290,6 +313,9 @@ impl Tour {
     fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
         let path = scene.tracker.path();
         for point in &path[self.covered..] {
+            if point.carried {
+                self.coverage.lift();
+            }
             self.coverage.push(point.pose.position);
         }
         self.covered = path.len();

@@ -1,6 +1,6 @@
 //! What the operator may want; the only way in which a person speaks to the session.
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Pose};
 use serde::{Deserialize, Serialize};
 
 /// One wish of the operator. Keys, the command line and scripts all become one of these.
@@ -36,6 +36,13 @@ pub enum Intent {
         to: Point,
         /// What the tape said, metres.
         length: f64,
+    },
+    /// The robot was carried, or started anew, and stands elsewhere: it has to find its place before it
+    /// goes on. With no boundary closed yet there is nothing to know a place by; the lap begins anew
+    /// from where it was put, or from the start.
+    Placed {
+        /// About where it was put, map frame; none when nobody knows.
+        near: Option<Pose>,
     },
     /// The run is over: stop and keep what is known.
     Finish,

@@ -1,10 +1,12 @@
 //! A session with a real robot, without the port: bytes and the time in, bytes out. What reads and
 //! writes the port is [`super::line`]; the tests put a faulty line and a simulated robot in its place.
 
+mod restart;
 mod telling;
 
 use super::{Ending, keep};
 use crate::export::Outcome;
+use crate::geometry::Pose;
 use crate::journal::{Header, Journal, RobotMark};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
@@ -12,6 +14,7 @@ use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, 
 use crate::session::{Outgoing, Session};
 use crate::wire::host::Identity;
 use crate::wire::{Health, Heard, Host};
+use restart::{Restart, counted};
 use std::io::Write;
 
 /// What a run with a real robot is started with; the robot itself adds its body.
@@ -31,8 +34,10 @@ pub struct Plan {
 pub struct Interrupted {
     /// As its record left it.
     pub session: Session,
-    /// The robot that it was; no other, and no later life of it, can go on.
+    /// The robot that it was; no other can go on. In a later life it has to find its place first.
     pub robot: RobotMark,
+    /// The robot was carried, about there.
+    pub placed: Option<Pose>,
     /// Commands that it decided on and that its record does not have.
     pub unrecorded: Vec<Command>,
     /// Records in its record.
@@ -41,6 +46,8 @@ pub struct Interrupted {
 
 /// Reports with the same ticks after which a robot is believed to stand still.
 const STILL: u32 = 3;
+/// A robot that refuses a command because it was started again has said who it is after as long, seconds.
+const INTRODUCTION: f64 = 2.0;
 
 /// A run with a robot at the end of a line.
 pub struct LiveRun<W: Write> {
@@ -56,6 +63,13 @@ pub struct LiveRun<W: Write> {
     interrupted: Option<Interrupted>,
     /// While a robot is waited for to stand still: the reports since its ticks changed last.
     settling: Option<u32>,
+    /// What the robot counted when the run heard it last, until it is heard counting from nothing again.
+    restarted: Option<Odometer>,
+    restart: Option<Restart>,
+    /// Once it stands still it is told that it was carried.
+    carried: Option<Intent>,
+    /// Why a command was refused, and when that ends the run, if nothing else is heard before.
+    refused: Option<(f64, String)>,
     /// A command that waits for the line to be sound.
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
@@ -78,6 +92,10 @@ impl<W: Write> LiveRun<W> {
             outgoing: Vec::new(),
             interrupted: None,
             settling: None,
+            restarted: None,
+            restart: None,
+            carried: None,
+            refused: None,
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             ended: None,
@@ -130,6 +148,9 @@ impl<W: Write> LiveRun<W> {
         {
             self.held = None;
             self.host.send(command, now);
+        }
+        if let Some((_, why)) = self.refused.take_if(|(due, _)| now >= *due) {
+            self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
         }
         let failed = self.journal.as_ref().and_then(|journal| journal.error());
         if let Some(error) = failed
@@ -202,20 +223,15 @@ impl<W: Write> LiveRun<W> {
                         self.remark(format!("{} is there again", identity.name), now);
                     }
                 }
-                Heard::Rebooted => {
-                    let why = "the robot was started again: where it is, is no longer known";
-                    self.remark(why.to_owned(), now);
-                    self.stop(now);
-                    self.end(Outcome::Failed, why.to_owned());
-                }
-                Heard::Telemetry(telemetry) => self.telemetry(&telemetry, now),
+                Heard::Rebooted => self.rebooted(now),
+                Heard::Telemetry(telemetry) => self.told(&telemetry, now),
                 Heard::Health(health) => self.health(health, now),
                 Heard::Refused(id, why) => {
                     self.remark(format!("the robot refused a command: {why}"), now);
                     self.stop(now);
                     self.not_begun(id, now);
                     if self.plan.at_once {
-                        self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
+                        self.refused.get_or_insert((now + INTRODUCTION, why));
                     }
                 }
                 Heard::NotBegun(id) => self.not_begun(id, now),
@@ -223,14 +239,31 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
-    /// Goes on with a run, if this is its robot in the same life.
+    /// The robot was started again: it stands still, and where it is, is no longer known. The operator
+    /// decides when it goes to find its place; without one the run ends here, to be gone on with.
+    fn rebooted(&mut self, now: f64) {
+        let why = "the robot was started again: where it is, is no longer known";
+        self.remark(why.to_owned(), now);
+        self.stop(now);
+        let Some(session) = &self.session else {
+            return self.end(Outcome::Failed, why.to_owned());
+        };
+        if self.plan.at_once {
+            return self.end(Outcome::Failed, format!("{why}; --resume finds its place again"));
+        }
+        let tracker = session.mission().tracker();
+        self.restarted = tracker.last();
+        self.settling = Some(0);
+        self.carried = Some(Intent::Placed { near: None });
+    }
+
+    /// Goes on with a run, if this is its robot; in another life of it, or carried, it has to find its
+    /// place first.
     fn take_up(&mut self, interrupted: Interrupted, identity: &Identity, now: f64) {
-        let Interrupted { session, robot, unrecorded, records } = interrupted;
+        let Interrupted { session, robot, unrecorded, records, placed } = interrupted;
         let was = &session.mission().settings().chassis;
         let reason = if robot.name != identity.name {
             format!("the run was made with {}, and this is {}", robot.name, identity.name)
-        } else if robot.boot != identity.boot {
-            "the robot was started again since: where it is, is no longer known".to_owned()
         } else if *was != identity.chassis {
             "the robot has another body or other switches than in the run".to_owned()
         } else {
@@ -241,6 +274,11 @@ impl<W: Write> LiveRun<W> {
                     journal.command(time_us, command);
                 }
             }
+            let again = robot.boot != identity.boot;
+            if again {
+                self.restarted = session.mission().tracker().last();
+            }
+            self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
             self.session = Some(session);
             self.intent(Intent::Pause, now);
             self.settling = Some(0);
@@ -254,6 +292,9 @@ impl<W: Write> LiveRun<W> {
         self.settling = None;
         if let Some(id) = self.session.as_ref().and_then(|session| session.mission().awaited()) {
             self.not_begun(id, now);
+        }
+        if let Some(carried) = self.carried.take() {
+            self.intent(carried, now);
         }
         if self.plan.at_once {
             self.intent(Intent::ClearStop, now);
@@ -310,6 +351,15 @@ impl<W: Write> LiveRun<W> {
         self.telemetry(&Telemetry::Done { id, reason, odometer, switches, bumper }, now);
     }
 
+    /// Takes what the robot says, as the run counts it.
+    fn told(&mut self, telemetry: &Telemetry, now: f64) {
+        if let Some(last) = self.restarted.take() {
+            self.restart = Some(Restart::between(&last, &counted(telemetry)));
+        }
+        let told = self.restart.map_or(*telemetry, |restart| restart.of(telemetry));
+        self.telemetry(&told, now);
+    }
+
     fn telemetry(&mut self, telemetry: &Telemetry, now: f64) {
         let Some(session) = &mut self.session else { return };
         if let (Some(count), Telemetry::Report { odometer, .. }) = (self.settling, telemetry) {
@@ -334,6 +384,13 @@ impl<W: Write> LiveRun<W> {
         self.deliver(now);
         if self.settling.is_some_and(|count| count >= STILL) {
             self.settled(now);
+        }
+        let waits = |session: &Session| session.mission().waits_for_place();
+        let settled = self.settling.is_none() && self.carried.is_none();
+        if settled && self.plan.at_once && self.session.as_ref().is_some_and(waits) {
+            let why =
+                "the robot does not know where it is; go on with --resume DIR --placed X,Y,DEG";
+            self.end(Outcome::Failed, why.to_owned());
         }
     }
 

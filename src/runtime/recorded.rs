@@ -62,7 +62,10 @@ impl Driver for RecordedDriver {
             Intent::StepCommand => self.step(Landmark::Command),
             Intent::StepEvent => self.step(Landmark::Event),
             Intent::StepPhase => self.step(Landmark::PhaseEnd),
-            Intent::ClearStop | Intent::SetAlpha { .. } | Intent::SetTape { .. } => {}
+            Intent::ClearStop
+            | Intent::SetAlpha { .. }
+            | Intent::SetTape { .. }
+            | Intent::Placed { .. } => {}
         }
     }
 

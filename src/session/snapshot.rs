@@ -55,8 +55,8 @@ pub enum Known<T> {
 /// What the robot last said of itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotView {
-    /// Believed pose in the map frame.
-    pub pose: Pose,
+    /// Believed pose in the map frame; none while the robot looks for its place.
+    pub pose: Option<Pose>,
     /// One standard deviation of the position, metres, as the core believes.
     pub position_sd: f64,
     /// Which switches are closed.

@@ -262,6 +262,8 @@ impl Host {
                 if self.command.as_ref().is_some_and(|pending| pending.seq == seq) {
                     self.command = None;
                     self.motion = None;
+                    // It may have been started again, and not know who speaks.
+                    self.hello_due = self.hello_due.min(now);
                     told.push(Heard::Refused(CommandId(seq), why));
                 }
             }

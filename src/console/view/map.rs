@@ -8,8 +8,8 @@ use crate::console::layout::Regions;
 use crate::console::model::{Camera, Layers, Model};
 use crate::console::theme::{Role, Theme};
 use crate::geometry::ring::bounds;
-use crate::geometry::{Point, Vector, angle};
-use crate::mapping::map::{LineStatus, Part, PlanLine};
+use crate::geometry::{Point, Pose, Vector, angle};
+use crate::mapping::map::{LineStatus, Part, PlanLine, stretches};
 use crate::session::snapshot::{Known, RobotView, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -23,7 +23,7 @@ pub fn viewport(camera: &Camera, snapshot: &Snapshot, area: Rect) -> Viewport {
     match *camera {
         Camera::Free { scale, center } => Viewport::new(center, scale, area.width, area.height),
         Camera::Follow { scale, around } => {
-            let center = robot(snapshot).map_or(around, |(robot, _)| robot.pose.position);
+            let center = placed(snapshot).map_or(around, |pose| pose.position);
             Viewport::new(center, scale, area.width, area.height)
         }
         Camera::Fit => {
@@ -42,7 +42,7 @@ fn extent(snapshot: &Snapshot) -> (Point, Point) {
         None => points.extend(map.contacts.iter().map(|contact| contact.point)),
     }
     points.extend(map.path.iter().step_by(8).map(|point| point.pose.position));
-    points.extend(robot(snapshot).map(|(robot, _)| robot.pose.position));
+    points.extend(placed(snapshot).map(|pose| pose.position));
     let (low, high) = bounds(&points).unwrap_or((Point::origin(), Point::origin()));
     let missing = (Vector::repeat(2.0) - (high - low)).sup(&Vector::repeat(0.2)) / 2.0;
     (low - missing, high + missing)
@@ -54,6 +54,11 @@ fn robot(snapshot: &Snapshot) -> Option<(RobotView, bool)> {
         Known::Stale { value, .. } => Some((value, false)),
         Known::Unknown => None,
     }
+}
+
+/// Where the robot is believed to be, if anybody knows.
+fn placed(snapshot: &Snapshot) -> Option<Pose> {
+    robot(snapshot).and_then(|(robot, _)| robot.pose)
 }
 
 /// Draws the map as `shown` into `area`.
@@ -78,8 +83,10 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     if layers.trajectory {
         // Of points that are nearer to each other than a dot is wide, not all are needed.
         let stride = (canvas.view().scale / SPACING).clamp(1.0, 16.0) as usize;
-        let way = map.path.iter().step_by(stride).chain(map.path.last());
-        canvas.polyline(way.map(|point| point.pose.position), Role::Trajectory);
+        for stretch in stretches(&map.path) {
+            let way = stretch.iter().step_by(stride).chain(stretch.last());
+            canvas.polyline(way.map(|point| point.pose.position), Role::Trajectory);
+        }
     }
     if layers.plan
         && let Some(plan) = &map.plan
@@ -134,18 +141,20 @@ fn draw_robot(canvas: &mut Canvas, snapshot: &Snapshot) {
     let Some((robot, current)) = robot(snapshot) else {
         return;
     };
+    // What is not known is not drawn; the panel says so.
+    let Some(pose) = robot.pose else { return };
     let chassis = &snapshot.settings.chassis;
-    let (center, radius) = (robot.pose.position, chassis.radius);
+    let (center, radius) = (pose.position, chassis.radius);
     let role = if current { Role::Robot } else { Role::RobotStale };
     canvas.clear_disc(center, radius);
     canvas.circle(center, radius, role, Pattern::Solid);
-    let nose = center + robot.pose.direction() * radius;
+    let nose = center + pose.direction() * radius;
     canvas.line(center, nose, role, Pattern::Solid);
     for index in robot.switches.iter() {
         let Some(mount) = chassis.sensors.get(index) else {
             continue;
         };
-        let beam = angle::unit(robot.pose.heading + mount.angle);
+        let beam = angle::unit(pose.heading + mount.angle);
         let (rim, end) = (center + beam * radius, center + beam * chassis.reach());
         canvas.line(rim, end, Role::Beam, Pattern::Solid);
     }

@@ -55,7 +55,7 @@ fn rows(snapshot: &Snapshot) -> Vec<Row> {
 
 fn robot_rows(snapshot: &Snapshot) -> Vec<Row> {
     let pose = |robot: &RobotView| {
-        let pose = robot.pose;
+        let Some(pose) = robot.pose else { return "not known: lost".to_owned() };
         let degrees = pose.heading.to_degrees();
         format!("{:.3} {:.3}  {degrees:.0}°", pose.position.x, pose.position.y)
     };
@@ -66,12 +66,17 @@ fn robot_rows(snapshot: &Snapshot) -> Vec<Row> {
         }
         Known::Known(robot) => {
             let closed = switches::closed(&snapshot.settings.chassis, robot);
+            let known = |_| words::small(robot.position_sd);
+            let sd = robot.pose.map_or_else(|| "-".to_owned(), known);
+            let role_of = |robot: &RobotView| {
+                if robot.pose.is_some() { Role::Value } else { Role::Unknown }
+            };
             let role = if robot.switches.is_empty() { Role::Muted } else { Role::Active };
             let bumper =
                 if robot.bumper { ("pressed", Role::Active) } else { ("free", Role::Muted) };
             vec![
-                ("pose", pose(robot), Role::Value),
-                ("± 1 sd", words::small(robot.position_sd), Role::Text),
+                ("pose", pose(robot), role_of(robot)),
+                ("± 1 sd", sd, Role::Text),
                 ("switch", closed, role),
                 ("bumper", format!("{}, {} so far", bumper.0, snapshot.bumps), bumper.1),
             ]

@@ -5,7 +5,7 @@ use super::super::strokes::{Anchor, Lettering, Style};
 use super::super::{RunRecord, boundary, rectangle, surface_points};
 use super::{Options, color};
 use crate::geometry::{Point, Pose};
-use crate::mapping::map::{LineReason, LineStatus, MappedObject, PlanLine};
+use crate::mapping::map::{LineReason, LineStatus, MappedObject, PlanLine, stretches};
 use std::fmt::Write;
 
 const LABEL: Style = Style { height: 9.0, weight: 0.14, color: color::OBJECT_EDGE };
@@ -118,7 +118,9 @@ fn plan(record: &RunRecord<'_>, options: &Options, frame: &Frame) -> String {
 }
 
 fn trajectory(record: &RunRecord<'_>, frame: &Frame) -> String {
-    let data = frame.line(record.map.path.iter().map(|point| point.pose.position));
+    let data: String = stretches(&record.map.path)
+        .map(|stretch| frame.line(stretch.iter().map(|point| point.pose.position)))
+        .collect();
     format!(
         "<g opacity=\".6\">{}</g>\n",
         stroke("trajectory", &data, color::TRAIL, 0.9, "").trim_end()

@@ -85,6 +85,35 @@ fn recognised(f: &mut fmt::Formatter<'_>, object: Option<u32>, off: f64) -> fmt:
     write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
 }
 
+/// What became of a robot that was carried.
+fn carried(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    match kind {
+        EventKind::Carried => {
+            f.write_str("the robot is no longer where it was: its place has to be found again")
+        }
+        EventKind::BegunAnew { dropped: 0 } => f.write_str("the lap begins anew from here"),
+        EventKind::BegunAnew { dropped } => {
+            write!(f, "the lap begins anew from here; objects found before are dropped: {dropped}")
+        }
+        EventKind::PlaceFound { at, driven } => {
+            write!(f, "place found after {driven:.1} m: ({:.2}, {:.2})", at.x, at.y)
+        }
+        EventKind::PlaceNeeded => f.write_str(
+            "no boundary is closed yet to know a place by: put the robot down, at the start or \
+             elsewhere, and say where, placed=X,Y,DEG; the lap begins anew",
+        ),
+        EventKind::PlaceUnclear { places: 0 | 1 } => f.write_str(
+            "the map shows nothing like what is here: put the robot near a mapped wall and say so, \
+             placed=X,Y,DEG",
+        ),
+        EventKind::PlaceUnclear { places } => write!(
+            f,
+            "{places} places of the map look like this one: say about where it is, placed=X,Y,DEG"
+        ),
+        _ => Ok(()),
+    }
+}
+
 impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -138,6 +167,11 @@ impl fmt::Display for EventKind {
                 write!(f, "object O{id} stands apart, behind a gap too narrow to pass")
             }
             Self::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
+            Self::Carried
+            | Self::BegunAnew { .. }
+            | Self::PlaceFound { .. }
+            | Self::PlaceNeeded
+            | Self::PlaceUnclear { .. } => carried(f, self),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
             Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
@@ -179,6 +213,9 @@ impl EventKind {
             | Self::ObjectKnown { .. }
             | Self::Recognised { .. }
             | Self::StillHidden { .. }
+            | Self::Carried
+            | Self::PlaceNeeded
+            | Self::PlaceUnclear { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNowhere
             | Self::Bumped

@@ -7,8 +7,9 @@ use crate::mapping::adjust::Adjustment;
 use crate::mapping::chart::Chart;
 use crate::mapping::circuit::Closure;
 use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::floor::Coverage;
 use crate::mapping::lay::Overlap;
-use crate::mapping::map::{Contact, MappedObject, Phase};
+use crate::mapping::map::{Contact, MappedObject, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::search::{Next, Search, lap_contacts};
 use crate::mapping::shape;
@@ -241,7 +242,11 @@ impl Mission {
 
     pub(super) fn make_plan(&mut self, out: &mut Vec<Output>) {
         let Some(shape) = &self.map.shape else { return };
-        let driven: Vec<Point> = self.tracker.path().iter().map(|p| p.pose.position).collect();
+        let mut driven = Coverage::new();
+        for stretch in stretches(self.tracker.path()) {
+            let way: Vec<Point> = stretch.iter().map(|p| p.pose.position).collect();
+            driven.add(&way);
+        }
         let plan = plan::make(&PlanRequest {
             shape,
             objects: &self.map.objects,

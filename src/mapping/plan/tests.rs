@@ -21,7 +21,7 @@ fn plan_of(room: &Ring, objects: &[MappedObject], alpha: f64, strategy: Strategy
     make(&PlanRequest {
         shape: &rooms::shape(room),
         objects,
-        driven: &rooms::lap(room, 0.145),
+        driven: &Coverage::of(&rooms::lap(room, 0.145)),
         from: Point::new(0.5, 0.145),
         settings: &settings(alpha, strategy),
     })

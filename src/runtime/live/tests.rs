@@ -2,6 +2,7 @@
 //! the other end; in virtual time.
 
 mod adversity;
+mod carried;
 
 use super::*;
 use crate::firmware::{Device, STEP};
@@ -98,19 +99,26 @@ struct Rig {
 fn rig(faults: Faults, seed: u64, at_once: bool) -> Rig {
     let text = include_str!("../../../sims/rectangle.toml");
     let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+    rig_in(&world, NoiseProfile::None, faults, seed, (at_once, Some(Phase::Boundary)))
+}
+
+/// A robot in `world`, at its start; whether it goes on by itself, and to the end of which phase.
+fn rig_in(
+    world: &World,
+    noise: NoiseProfile,
+    faults: Faults,
+    seed: u64,
+    (at_once, until): (bool, Option<Phase>),
+) -> Rig {
     let chassis = crate::robot::Chassis::default();
     let memory = Memory::default();
-    let plan = Plan {
-        settings: Settings::new(world.start),
-        port: "test".to_owned(),
-        until: Some(Phase::Boundary),
-        at_once,
-    };
+    let plan =
+        Plan { settings: Settings::new(world.start), port: "test".to_owned(), until, at_once };
     Rig {
         run: LiveRun::new(plan, Host::new(115_200, 7, 0.0), Some(memory.clone())),
         memory,
         device: Device::new(&chassis, "tin", 3, 1.0),
-        body: Body::new(&world, &chassis, NoiseProfile::None, seed),
+        body: Body::new(world, &chassis, noise, seed),
         down: FaultyWay::new(faults, seed * 2),
         up: FaultyWay::new(faults, seed * 2 + 1),
         now: 0.0,
@@ -289,8 +297,8 @@ fn nobody_there_is_said() {
     assert!(rig.run.ending().expect("an ending").reason.contains("switched on"));
 }
 
-/// A new host takes up the run of one that died.
-fn resurrect(rig: &mut Rig, session: u32) {
+/// A new host takes up the run of one that died; the robot was `placed` somewhere else, if it was.
+fn resurrect(rig: &mut Rig, session: u32, placed: Option<Pose>) {
     let bytes = rig.memory.bytes.borrow().clone();
     let recording =
         crate::journal::reader::parse(std::path::Path::new("memory"), &bytes).expect("a record");
@@ -301,8 +309,13 @@ fn resurrect(rig: &mut Rig, session: u32) {
     replay.finish();
     assert_eq!(replay.difference(), None);
     let (before, unrecorded) = replay.into_session();
-    let interrupted =
-        Interrupted { session: before, unrecorded, robot: header.robot.expect("a robot"), records };
+    let interrupted = Interrupted {
+        session: before,
+        robot: header.robot.expect("a robot"),
+        placed,
+        unrecorded,
+        records,
+    };
     let plan = Plan {
         settings: header.settings,
         port: "test".to_owned(),
@@ -339,7 +352,7 @@ fn a_host_that_is_killed_again_and_again_ends_with_the_same_map() {
             rig.memory.bytes.borrow_mut().truncate(length.saturating_sub(cut));
             rig.until(0.2 + rng.random::<f64>() * 3.0, |_| false);
             rig.up.clear();
-            resurrect(&mut rig, 100 + lives);
+            resurrect(&mut rig, 100 + lives, None);
             assert!(lives < 200, "trial {trial} does not come to an end");
         }
         let ending = rig.run.ending().expect("an ending");
@@ -348,17 +361,6 @@ fn a_host_that_is_killed_again_and_again_ends_with_the_same_map() {
         let off = (area(&rig) - area(&whole)).abs();
         assert!(off < 0.05, "trial {trial}: {off} m² off after {lives} lives");
     }
-}
-
-#[test]
-fn another_robot_cannot_go_on() {
-    let mut rig = rig(Faults::default(), 1, true);
-    rig.until(20.0, |_| false);
-    rig.reboot();
-    rig.up.clear();
-    resurrect(&mut rig, 9);
-    assert!(rig.until(5.0, |rig| rig.run.ending().is_some()));
-    assert!(rig.run.ending().expect("an ending").reason.contains("started again"));
 }
 
 /// Runs of one lap over lines with random faults: whatever happens, the robot never goes farther on its

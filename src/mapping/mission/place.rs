@@ -1,0 +1,127 @@
+//! A robot that was carried, or started anew: what it was doing is left undone, and it goes on as soon
+//! as it knows again where it is.
+
+use super::{Lost, Mission, Outcome, Output, Task};
+use crate::geometry::{Pose, Ring};
+use crate::mapping::event::EventKind;
+use crate::mapping::relocate::recognise::Place;
+use crate::mapping::relocate::{Relocation, Seek};
+use crate::mapping::search::Search;
+use crate::mapping::tour::Tour;
+use crate::robot::DoneReason;
+
+/// The pose is never surer than this beside the walls it was found by, metres and radians: they are
+/// ragged, and neighbouring contacts err together.
+const SUREST: (f64, f64) = (0.01, 0.005);
+
+impl Mission {
+    /// The robot stands elsewhere, about at `near` if anybody knows; false while it moves or when the
+    /// run is over.
+    pub fn placed(&mut self, near: Option<Pose>, out: &mut Vec<Output>) -> bool {
+        if self.is_moving() || self.outcome != Outcome::Going {
+            return false;
+        }
+        self.tell(EventKind::Carried, out);
+        self.survey.started_anew();
+        let told = near.is_some();
+        match (std::mem::replace(&mut self.task, Task::Over), near) {
+            (Task::Search(_), Some(near)) => self.begin_anew(near, out),
+            (task @ Task::Search(_), None) => {
+                self.task = task;
+                self.lose(told);
+                self.wait_for_word(EventKind::PlaceNeeded, out);
+            }
+            (Task::Tour(mut tour) | Task::Relocate(_, mut tour), _) => {
+                tour.interrupt(&mut self.map);
+                self.task = Task::Tour(tour);
+                self.lose(told);
+            }
+            (task @ (Task::Shape | Task::Plan | Task::Over), _) => {
+                self.task = task;
+                self.lose(told);
+            }
+        }
+        if let (Some(near), true) = (near, self.lost.is_some()) {
+            self.tracker.settle(near);
+        }
+        self.rest.pose = self.tracker.pose();
+        self.rest.reason = DoneReason::Complete;
+        true
+    }
+
+    /// The lap begins anew at `from`: there is no boundary yet to know a place by.
+    fn begin_anew(&mut self, from: Pose, out: &mut Vec<Output>) {
+        let dropped = std::mem::take(&mut self.map.objects).len();
+        self.tracker.begin_anew(from);
+        self.laps = 0;
+        self.lost = None;
+        self.task = Task::Search(Box::new(Search::new(&self.settings, from)));
+        self.tell(EventKind::BegunAnew { dropped }, out);
+    }
+
+    fn wait_for_word(&mut self, why: EventKind, out: &mut Vec<Output>) {
+        self.lost = self.lost.map(|lost| Lost { waits: true, ..lost });
+        self.tell(why, out);
+    }
+
+    fn lose(&mut self, told: bool) {
+        let since = self.lost.map_or(self.tracker.path().len(), |lost| lost.since);
+        self.lost = Some(Lost { since, told, waits: false });
+    }
+
+    pub(super) fn begin_relocating(&mut self, tour: Box<Tour>, out: &mut Vec<Output>) {
+        let told = self.lost.is_some_and(|lost| lost.told);
+        let chart = tour.chart();
+        let closed = self.map.objects.iter().zip(chart.objects());
+        let objects: Vec<Ring> =
+            closed.filter(|(object, _)| object.closed).map(|(_, ring)| ring.clone()).collect();
+        let relocation =
+            Relocation::new(&self.settings, chart.outline(), objects, &self.tracker, told);
+        self.relocate(Box::new(relocation), tour, out);
+    }
+
+    pub(super) fn relocate(
+        &mut self,
+        mut relocation: Box<Relocation>,
+        tour: Box<Tour>,
+        out: &mut Vec<Output>,
+    ) {
+        let mut told = Vec::new();
+        let seek = relocation.next(&mut self.tracker, &self.rest, &mut told);
+        self.rest.pose = self.tracker.pose();
+        for kind in told {
+            self.tell(kind, out);
+        }
+        match seek {
+            Seek::Go(ask) => {
+                self.task = Task::Relocate(relocation, tour);
+                self.order(&ask, out);
+            }
+            Seek::Found(place) => {
+                let driven = relocation.driven(&self.tracker);
+                self.found(&place, &tour);
+                self.task = Task::Tour(tour);
+                let at = self.tracker.pose().position;
+                self.tell(EventKind::PlaceFound { at, driven }, out);
+            }
+            Seek::Unclear(places) => {
+                self.task = Task::Tour(tour);
+                self.wait_for_word(EventKind::PlaceUnclear { places }, out);
+            }
+        }
+    }
+
+    /// Takes the pose, and what was driven in a frame of its own, to the map.
+    fn found(&mut self, place: &Place, tour: &Tour) {
+        let Some(lost) = self.lost.take() else { return };
+        self.tracker.carry(lost.since, &place.onto);
+        let pose = self.tracker.pose();
+        self.rest.pose = pose;
+        self.rest.reason = DoneReason::Complete;
+        // The scatter of one contact is told; neighbours err together, hence twice that.
+        let sd = ((2.0 * place.sd.0).max(SUREST.0), (2.0 * place.sd.1).max(SUREST.1));
+        if let Some(tie) = tour.chart().tie_at(&self.survey, pose.position) {
+            self.survey.found(pose.position, &tie, sd);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Finding the robot's place again, after it was carried or started anew: it looks for a wall, follows
+//! it, and what it sees on the way is laid on the map until one place only is left that looks so.
+//!
+//! Until then its pose is in a frame of its own. A room that looks the same from two places is told
+//! by the operator's word, if there is one; without it the robot stands still and asks.
+
+pub mod recognise;
+
+use super::event::EventKind;
+use super::follow::{Ask, AtRest};
+use super::map::{ContactKind, RoomMap};
+use super::odometry::Tracker;
+use super::search::{Next, Search};
+use super::settings::Settings;
+use super::wall::Wall;
+use crate::geometry::{Pose, Ring, angle};
+use recognise::{Landmarks, Place, Seen};
+
+/// The map is looked at again after so many metres.
+const LOOK: f64 = 0.4;
+/// Two looks in a row that differ by no more than this found the same place: metres, radians.
+const STEADY: (f64, f64) = (0.06, 0.05);
+/// The operator's word on where the robot was put is believed to this: metres, radians.
+const ABOUT: (f64, f64) = (0.7, 0.7);
+
+/// What comes next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Seek {
+    /// A motion.
+    Go(Ask),
+    /// The robot's place is found.
+    Found(Place),
+    /// It is not, after all that could be driven: so many places of the map look like it.
+    Unclear(usize),
+}
+
+/// The search for the robot's place.
+#[derive(Debug, Clone)]
+pub struct Relocation {
+    search: Box<Search>,
+    landmarks: Landmarks,
+    /// Where the robot believed it was when it began, in its own frame: by the operator's word, when
+    /// `told`.
+    from: Pose,
+    told: bool,
+    /// Metres travelled when the map was looked at last.
+    looked: f64,
+    /// What the look before this found.
+    before: Option<Place>,
+    /// The map in the robot's own frame: things gone round on the way, so that none is twice.
+    seen: RoomMap,
+    begun: f64,
+}
+
+impl Relocation {
+    /// Begins where `tracker` is, which was `told` by the operator or is no more than a frame.
+    #[must_use]
+    pub fn new(
+        settings: &Settings,
+        outline: &Ring,
+        objects: Vec<Ring>,
+        tracker: &Tracker,
+        told: bool,
+    ) -> Self {
+        let from = tracker.pose();
+        Self {
+            search: Box::new(Search::relocating(settings, from)),
+            landmarks: Landmarks::new(outline, objects),
+            from,
+            told,
+            looked: tracker.travelled(),
+            before: None,
+            seen: RoomMap::default(),
+            begun: tracker.travelled(),
+        }
+    }
+
+    /// The contacts that are being collected.
+    #[must_use]
+    pub fn wall(&self) -> &Wall {
+        self.search.wall()
+    }
+
+    /// The same, to add to.
+    pub fn wall_mut(&mut self) -> &mut Wall {
+        self.search.wall_mut()
+    }
+
+    /// Metres driven since it began.
+    #[must_use]
+    pub fn driven(&self, tracker: &Tracker) -> f64 {
+        tracker.travelled() - self.begun
+    }
+
+    /// The robot came to rest: what next?
+    pub fn next(
+        &mut self,
+        tracker: &mut Tracker,
+        rest: &AtRest,
+        tell: &mut Vec<EventKind>,
+    ) -> Seek {
+        if self.search.circuit().is_some() && tracker.travelled() > self.looked + LOOK {
+            self.looked = tracker.travelled();
+            let found = self.only(&self.places());
+            let here = tracker.pose();
+            // Both looks must put the robot at one place.
+            let steady = |place: &Place, before: &Place| {
+                let (now, then) = (place.of(here), before.of(here));
+                (now.position - then.position).norm() < STEADY.0
+                    && angle::wrap(now.heading - then.heading).abs() < STEADY.1
+            };
+            if let (Some(place), Some(before)) = (found, self.before)
+                && steady(&place, &before)
+            {
+                return Seek::Found(place);
+            }
+            self.before = found;
+        }
+        match self.search.next(tracker, rest, &mut self.seen, tell) {
+            Next::Go(ask) => Seek::Go(ask),
+            Next::Found(..) => {
+                let places = self.places();
+                match self.only(&places) {
+                    Some(place) => Seek::Found(place),
+                    None => Seek::Unclear(places.len()),
+                }
+            }
+            Next::Failed(_) => Seek::Unclear(0),
+        }
+    }
+
+    /// Where what was seen may be.
+    fn places(&self) -> Vec<Place> {
+        let log = self.wall().surfaces();
+        let seen: Vec<Seen> = log
+            .filter(|seen| seen.kind == ContactKind::Range)
+            .map(|seen| Seen { point: seen.point, from: seen.pose.position })
+            .collect();
+        self.landmarks.places(&seen)
+    }
+
+    /// The one of `places` that it is: the only one, or the only one near where the operator says.
+    fn only(&self, places: &[Place]) -> Option<Place> {
+        let sure = |place: &&Place| place.is_sure();
+        let near = |place: &&Place| {
+            let put = place.of(self.from);
+            (put.position - self.from.position).norm() < ABOUT.0
+                && angle::wrap(put.heading - self.from.heading).abs() < ABOUT.1
+        };
+        let mut left = places.iter().filter(|place| !self.told || near(place));
+        let first = left.next().filter(sure);
+        if left.next().is_some() { None } else { first.copied() }
+    }
+}

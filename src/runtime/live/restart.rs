@@ -1,0 +1,49 @@
+//! A robot that was started again counts its time and its wheels from nothing. The run goes on counting
+//! where it was: nothing moved in between, as far as the run knows.
+
+use crate::robot::{Odometer, Telemetry};
+
+/// What is added to all that the robot counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Restart(Odometer);
+
+impl Restart {
+    /// The robot now counts `first` where the run had counted `last`.
+    pub(super) fn between(last: &Odometer, first: &Odometer) -> Self {
+        Self(Odometer {
+            time_us: last.time_us.saturating_sub(first.time_us),
+            left_ticks: last.left_ticks - first.left_ticks,
+            right_ticks: last.right_ticks - first.right_ticks,
+            heading: last.heading - first.heading,
+        })
+    }
+
+    fn odometer(&self, told: Odometer) -> Odometer {
+        Odometer {
+            time_us: told.time_us + self.0.time_us,
+            left_ticks: told.left_ticks + self.0.left_ticks,
+            right_ticks: told.right_ticks + self.0.right_ticks,
+            heading: told.heading + self.0.heading,
+        }
+    }
+
+    /// The same message as the run counts.
+    pub(super) fn of(&self, told: &Telemetry) -> Telemetry {
+        let mut told = *told;
+        match &mut told {
+            Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. } => {
+                *odometer = self.odometer(*odometer);
+            }
+            Telemetry::Edge(edge) => edge.odometer = self.odometer(edge.odometer),
+        }
+        told
+    }
+}
+
+/// What a message counts.
+pub(super) fn counted(told: &Telemetry) -> Odometer {
+    match told {
+        Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. } => *odometer,
+        Telemetry::Edge(edge) => edge.odometer,
+    }
+}

@@ -1,0 +1,124 @@
+//! A robot that is started again, and carried somewhere else meanwhile: it finds its place, or asks.
+
+use super::*;
+use crate::mapping::map::LineStatus;
+
+fn l_room() -> World {
+    let text = include_str!("../../../../sims/l_room.toml");
+    World::from_toml(text, "l_room", 0.1).expect("a world")
+}
+
+/// The robot is switched off, carried to `place`, and switched on.
+fn carry(rig: &mut Rig, world: &World, place: Pose) {
+    rig.reboot();
+    let there = World { start: place, ..world.clone() };
+    rig.body = Body::new(&there, &crate::robot::Chassis::default(), NoiseProfile::None, 5);
+    rig.good = place.position;
+    rig.up.clear();
+}
+
+fn is_touring(rig: &Rig) -> bool {
+    let driven = |session: &Session| {
+        let lines = session.mission().map().plan.as_ref().map_or(&[][..], |plan| &plan.lines);
+        lines.iter().filter(|line| line.status == LineStatus::Driven).count()
+    };
+    rig.run.session().is_some_and(|session| driven(session) >= 2)
+}
+
+/// How far the believed place is from the true one, metres.
+fn off(rig: &Rig) -> f64 {
+    let believed = rig.run.session().expect("a session").mission().tracker().pose();
+    (believed.position - rig.body.true_pose().position).norm()
+}
+
+#[test]
+fn a_robot_carried_elsewhere_finds_its_place_and_ends_its_tour() {
+    let world = l_room();
+    for place in [Pose::new(0.5, 3.0, -2.0), Pose::new(4.2, 0.7, 1.0), Pose::new(2.5, 1.2, 3.0)] {
+        let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (true, None));
+        assert!(rig.until(2000.0, is_touring));
+        carry(&mut rig, &world, place);
+        assert!(rig.until(10.0, |rig| rig.run.ending().is_some()));
+        let reason = rig.run.ending().expect("an ending").reason;
+        assert!(reason.contains("started again") && reason.contains("--resume"), "{reason}");
+        rig.up.clear();
+        resurrect(&mut rig, 9, None);
+        let lost = |rig: &Rig| rig.run.session().is_some_and(|s| s.mission().is_lost());
+        assert!(rig.until(10.0, lost), "it goes on as if nothing had been");
+        let crate::session::Known::Known(view) = rig.run.snapshot(rig.now).robot else {
+            panic!("heard")
+        };
+        assert_eq!(view.pose, None, "a place that nobody knows is shown");
+        assert!(rig.until(1000.0, |rig| !lost(rig)), "not found from {place:?}");
+        assert!(off(&rig) < 0.03, "{} m off from {place:?}", off(&rig));
+        assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()));
+        let ending = rig.run.ending().expect("an ending");
+        assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+        assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
+        let map = rig.run.session().expect("a session").mission().map_now();
+        assert_eq!(map.path.iter().filter(|point| point.carried).count(), 1);
+        assert!(map.hidden_disc.expect("measured") < 0.26);
+        // The record has all of it: the replay comes to the same.
+        let bytes = rig.memory.bytes.borrow().clone();
+        let recording = crate::journal::reader::parse(std::path::Path::new("memory"), &bytes);
+        let mut replay = crate::session::Replay::new(recording.expect("a record"));
+        replay.finish();
+        assert_eq!(replay.difference(), None);
+        assert!(replay.is_complete());
+    }
+}
+
+#[test]
+fn where_two_places_look_the_same_the_robot_asks() {
+    let text = include_str!("../../../../sims/rectangle.toml");
+    let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+    let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (true, None));
+    assert!(rig.until(2000.0, is_touring));
+    let place = Pose::new(4.3, 1.1, 0.4);
+    carry(&mut rig, &world, place);
+    rig.until(10.0, |rig| rig.run.ending().is_some());
+    rig.up.clear();
+    resurrect(&mut rig, 9, None);
+    assert!(rig.until(1000.0, |rig| rig.run.ending().is_some()));
+    let reason = rig.run.ending().expect("an ending").reason;
+    assert!(reason.contains("--placed"), "{reason}");
+    rig.until(1.0, |_| false);
+    assert!(rig.speed() < 1e-9, "it moves and does not know where");
+    // The operator puts it back where it was found, and says so, roughly.
+    carry(&mut rig, &world, place);
+    resurrect(&mut rig, 10, Some(Pose::new(4.1, 1.3, 0.2)));
+    assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
+}
+
+#[test]
+fn without_a_boundary_the_lap_begins_anew_from_where_the_operator_says() {
+    let world = l_room();
+    let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (false, None));
+    assert!(rig.until(5.0, |rig| rig.run.session().is_some()));
+    let now = rig.now;
+    rig.run.intent(Intent::Run, now);
+    rig.until(40.0, |_| false);
+    let place = Pose::new(1.0, 1.0, 0.5);
+    carry(&mut rig, &world, place);
+    rig.until(5.0, |_| false);
+    let session = rig.run.session().expect("a session");
+    assert_eq!(session.run_state(), RunState::Stopped);
+    assert!(session.mission().is_lost());
+    let now = rig.now;
+    for wish in [Intent::ClearStop, Intent::Run] {
+        rig.run.intent(wish, now);
+    }
+    rig.until(5.0, |_| false);
+    assert!(rig.speed() < 1e-9, "it moves and does not know where");
+    let now = rig.now;
+    for wish in [Intent::Placed { near: Some(place) }, Intent::Run] {
+        rig.run.intent(wish, now);
+    }
+    assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
+}

@@ -86,6 +86,12 @@ impl Session {
         &self.progress
     }
 
+    /// What happened last, oldest first.
+    #[must_use]
+    pub fn events(&self) -> &VecDeque<Event> {
+        &self.events
+    }
+
     /// Counts up whenever anything that a snapshot shows has changed.
     #[must_use]
     pub fn version(&self) -> u64 {

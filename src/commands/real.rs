@@ -232,6 +232,10 @@ impl Driver for LiveDriver {
 
     fn advance(&mut self, _seconds: f64) {}
 
+    fn failure(&self) -> Option<String> {
+        self.line.failure()
+    }
+
     fn has_own_time(&self) -> bool {
         false
     }

@@ -42,13 +42,19 @@ pub enum Ending {
 
 /// Why the console could not go on.
 #[derive(Debug, thiserror::Error)]
-#[error("the terminal cannot be used: {0}")]
-pub struct ConsoleError(#[from] io::Error);
+pub enum ConsoleError {
+    /// The terminal failed.
+    #[error("the terminal cannot be used: {0}")]
+    Terminal(#[from] io::Error),
+    /// What runs the robot failed.
+    #[error("{0}")]
+    Run(String),
+}
 
 /// Runs the console over `driver` until it is left.
 ///
 /// # Errors
-/// When the terminal fails; the robot was told to stop.
+/// When the terminal fails, or what runs the robot; the robot was told to stop.
 pub async fn run(
     driver: &mut dyn Driver,
     options: Options,
@@ -114,6 +120,9 @@ async fn turn(
             _ = tick.tick() => {}
         }
         pass_time(driver, &model, clock);
+        if let Some(why) = driver.failure() {
+            return Err(ConsoleError::Run(why));
+        }
         let version = driver.version();
         let fresh = drawn.as_ref().is_none_or(|(v, m)| *v != version || *m != model);
         if fresh && clock.frame_is_due(FRAME) {

@@ -158,7 +158,7 @@ mod tests {
             (" alpha  .3 m ", Command::Alpha(0.3)),
             ("tape=0,0:5,0=5.02", Command::Tape("0,0:5,0=5.02".parse().unwrap())),
             ("placed", Command::Placed(None)),
-            ("placed=1,-2.5,180", Command::Placed(Some(Pose::new(1.0, -2.5, -angle::PI)))),
+            ("placed=1,-2.5,90", Command::Placed(Some(Pose::new(1.0, -2.5, angle::FRAC_PI_2)))),
             ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
             ("speed max", Command::Speed(Speed::MAX)),
             ("export some where", Command::Export("some where".to_owned())),

@@ -21,6 +21,11 @@ pub trait Driver {
     /// here what is due; a paused simulator lets the command in hand end and then stands still.
     fn advance(&mut self, seconds: f64);
 
+    /// Why the run cannot go on, when what runs it has failed.
+    fn failure(&self) -> Option<String> {
+        None
+    }
+
     /// Whether the robot's time is ours to stretch: a simulator or a recording.
     fn has_own_time(&self) -> bool {
         true

@@ -12,7 +12,7 @@ use super::map::{ContactKind, RoomMap};
 use super::odometry::Tracker;
 use super::search::{Next, Search};
 use super::settings::Settings;
-use super::wall::Wall;
+use super::wall::{Sighting, Wall};
 use crate::geometry::{Pose, Ring, angle};
 use recognise::{Landmarks, Place, Seen};
 
@@ -101,7 +101,8 @@ impl Relocation {
     ) -> Seek {
         if self.search.circuit().is_some() && tracker.travelled() > self.looked + LOOK {
             self.looked = tracker.travelled();
-            let found = self.only(&self.places());
+            let seen = self.seen();
+            let found = self.only(&self.landmarks.places(&seen));
             let here = tracker.pose();
             // Both looks must put the robot at one place.
             let steady = |place: &Place, before: &Place| {
@@ -112,16 +113,17 @@ impl Relocation {
             if let (Some(place), Some(before)) = (found, self.before)
                 && steady(&place, &before)
             {
-                return Seek::Found(place);
+                return Seek::Found(self.landmarks.sharpened(&place, &seen));
             }
             self.before = found;
         }
         match self.search.next(tracker, rest, &mut self.seen, tell) {
             Next::Go(ask) => Seek::Go(ask),
             Next::Found(..) => {
-                let places = self.places();
+                let seen = self.seen();
+                let places = self.landmarks.places(&seen);
                 match self.only(&places) {
-                    Some(place) => Seek::Found(place),
+                    Some(place) => Seek::Found(self.landmarks.sharpened(&place, &seen)),
                     None => Seek::Unclear(places.len()),
                 }
             }
@@ -129,14 +131,16 @@ impl Relocation {
         }
     }
 
-    /// Where what was seen may be.
-    fn places(&self) -> Vec<Place> {
-        let log = self.wall().surfaces();
-        let seen: Vec<Seen> = log
+    /// What was seen since the wall was met.
+    fn seen(&self) -> Vec<Seen> {
+        self.wall()
+            .surfaces()
             .filter(|seen| seen.kind == ContactKind::Range)
-            .map(|seen| Seen { point: seen.point, from: seen.pose.position })
-            .collect();
-        self.landmarks.places(&seen)
+            .map(|seen| {
+                let Sighting { point, pose, travelled, .. } = *seen;
+                Seen { point, from: pose.position, travelled }
+            })
+            .collect()
     }
 
     /// The one of `places` that it is: the only one, or the only one near where the operator says.

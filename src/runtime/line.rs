@@ -7,13 +7,16 @@ use super::{Ending, Stopwatch};
 use crate::link::{Address, PortError, Stream, port};
 use crate::robot::Intent;
 use crate::session::Snapshot;
-use crate::wire::Host;
+use crate::wire::{Host, STOP};
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::task::{Context, Waker};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
 /// The control loop looks at the time this often.
@@ -29,6 +32,9 @@ const FAREWELL: f64 = 0.3;
 enum Request {
     Intent(Intent),
     Leave,
+    /// Fails, to see what becomes of the robot then.
+    #[cfg(test)]
+    Panic,
 }
 
 /// What the control thread shows.
@@ -38,6 +44,8 @@ struct Shown {
     ending: Mutex<Option<Ending>>,
     /// Told when there is an ending.
     ended: Condvar,
+    /// Why the keeper is gone, when it failed.
+    failure: Mutex<Option<String>>,
     version: AtomicU64,
     /// Somebody waits for a newer picture.
     wanted: AtomicBool,
@@ -86,7 +94,11 @@ impl Line {
         };
         let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked };
         let thread = std::thread::Builder::new().name("control".to_owned()).spawn(move || {
-            runtime.block_on(keeper.keep(stream));
+            let keep = AssertUnwindSafe(|| runtime.block_on(keeper.keep(stream)));
+            // The robot has its stop by then; what is known is still to be written.
+            if let Err(panic) = catch_unwind(keep) {
+                keeper.failed(panic.as_ref());
+            }
             drop(syncing);
             keeper.run
         });
@@ -123,7 +135,13 @@ impl Line {
         waited.map_or(None, |(ending, _)| ending.clone())
     }
 
-    /// Stops the robot, closes the port and gives back the run; none when its keeper panicked.
+    /// Why nobody keeps the robot any more, if that is so: it was told to stop.
+    #[must_use]
+    pub fn failure(&self) -> Option<String> {
+        held(&self.shown.failure).clone()
+    }
+
+    /// Stops the robot, closes the port and gives back the run; none when its keeper is gone.
     #[must_use]
     pub fn leave(mut self) -> Option<LiveRun<File>> {
         let _ = self.requests.send(Request::Leave);
@@ -165,6 +183,19 @@ fn sync_thread(journal: &File) -> Option<Syncing> {
     };
     std::thread::Builder::new().name("record".to_owned()).spawn(body).ok()?;
     Some(Syncing(end))
+}
+
+/// What is written to. Should this program fail, its last word to the robot is to stop.
+struct LastWord<W: AsyncWrite + Unpin>(W);
+
+impl<W: AsyncWrite + Unpin> Drop for LastWord<W> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            // Twice, in case a frame was cut short by the first. Nobody is left to wait for a full line.
+            let mut context = Context::from_waker(Waker::noop());
+            let _ = Pin::new(&mut self.0).poll_write(&mut context, &[STOP, STOP]);
+        }
+    }
 }
 
 struct Keeper {
@@ -223,12 +254,30 @@ impl Keeper {
                 false
             }
             Some(Request::Leave) | None => true,
+            #[cfg(test)]
+            Some(Request::Panic) => panic!("asked to"),
         }
+    }
+
+    /// This program failed while it kept the robot: nothing more can be done but to say so.
+    fn failed(&mut self, panic: &(dyn std::any::Any + Send)) {
+        let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());
+        let words = words.or_else(|| panic.downcast_ref::<String>().cloned());
+        let words = words.unwrap_or_else(|| "no reason given".to_owned());
+        let why = format!("the program failed ({words}); the robot was told to stop");
+        self.run.broke(why.clone());
+        *held(&self.shown.failure) = Some(why);
+        if let Some(ending) = self.run.ending() {
+            held(&self.shown.ending).get_or_insert(ending);
+        }
+        self.shown.version.fetch_add(1, Ordering::AcqRel);
+        self.shown.ended.notify_all();
     }
 
     /// Talks over an open port until it is gone (false) or the run is left (true).
     async fn converse(&mut self, stream: Box<dyn Stream>) -> bool {
-        let (mut from, mut to) = tokio::io::split(stream);
+        let (mut from, to) = tokio::io::split(stream);
+        let mut to = LastWord(to);
         let mut tick = tokio::time::interval(TICK);
         tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
         let mut bytes = [0_u8; 1024];
@@ -245,7 +294,7 @@ impl Keeper {
                         leaving = Some(now + FAREWELL);
                     }
                 }
-                written = to.write(&waiting), if !waiting.is_empty() => match written {
+                written = to.0.write(&waiting), if !waiting.is_empty() => match written {
                     Ok(0) | Err(_) => break,
                     Ok(count) => {
                         waiting.drain(..count);
@@ -264,7 +313,7 @@ impl Keeper {
             let now = self.now();
             self.run.tick(now);
             let fresh = self.run.take_output();
-            if fresh.first() == Some(&crate::wire::STOP) {
+            if fresh.first() == Some(&STOP) {
                 // Nothing that is still waiting may leave before a stop; a line cut short is dropped.
                 waiting.clear();
             }
@@ -299,3 +348,6 @@ impl Keeper {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,7 +12,7 @@ use crate::robot::DoneReason;
 
 /// The pose is never surer than this beside the walls it was found by, metres and radians: they are
 /// ragged, and neighbouring contacts err together.
-const SUREST: (f64, f64) = (0.01, 0.005);
+const SUREST: (f64, f64) = (0.02, 0.01);
 
 impl Mission {
     /// The robot stands elsewhere, about at `near` if anybody knows; false while it moves or when the

@@ -16,6 +16,8 @@ pub struct Seen {
     pub point: Point,
     /// The robot's centre.
     pub from: Point,
+    /// Metres it had travelled by then.
+    pub travelled: f64,
 }
 
 /// A place of the map on which what was seen lies.
@@ -73,11 +75,13 @@ const ON: f64 = 0.03;
 /// This share of the contacts must; of the robot's places, as many must be on open floor.
 const SHARE: f64 = 0.92;
 /// A rival need not be as good: this share, and so many times the rms of the best.
-const RIVAL_SHARE: f64 = 0.8;
+const RIVAL_SHARE: f64 = 0.9;
 const RIVAL: f64 = 2.5;
 /// What mapped walls and contacts err by at least, and by metre of what was seen, metres.
 const SCATTER: f64 = 0.006;
 const DRIFT: f64 = 0.002;
+/// For where the robot is now, what it saw so many metres ago counts half: its odometry drifts.
+const FADING: f64 = 1.5;
 /// No answer that leaves the robot's place, or its heading, less sure than this: metres, radians.
 const SURE: (f64, f64) = (0.03, 0.02);
 
@@ -124,7 +128,7 @@ impl Landmarks {
         let reach = (b - a).norm();
         let mut found: Vec<Place> = Vec::new();
         for guess in self.guesses(&seen, a, b) {
-            let Some(place) = self.settle(&seen, guess) else { continue };
+            let Some(place) = self.settle(&seen, guess, |_| 1.0) else { continue };
             let last = seen[seen.len() - 1].from;
             let twin = |other: &Place| {
                 let off = (other.onto.to_world(last) - place.onto.to_world(last)).norm();
@@ -144,6 +148,19 @@ impl Landmarks {
             place.share >= RIVAL_SHARE && place.rms < RIVAL * best.rms.max(SCATTER / 2.0)
         });
         found
+    }
+
+    /// The same place, better for the robot as it stands now than for all that it saw on its way.
+    #[must_use]
+    pub fn sharpened(&self, place: &Place, seen: &[Seen]) -> Place {
+        let seen = thinned(seen);
+        let now = seen.last().map_or(0.0, |newest| newest.travelled);
+        let weight = |one: &Seen| 1.0 / (1.0 + ((now - one.travelled) / FADING).powi(2));
+        self.settle(&seen, place.onto, weight).map_or(*place, |sharp| Place {
+            share: place.share,
+            sd: (sharp.sd.0.max(place.sd.0), sharp.sd.1.max(place.sd.1)),
+            ..sharp
+        })
     }
 
     /// Roughly right guesses, best first.
@@ -204,8 +221,9 @@ impl Landmarks {
         Some(sum)
     }
 
-    /// Moves a guess to where what was seen lies best; none where the robot cannot have been.
-    fn settle(&self, seen: &[Seen], guess: Pose) -> Option<Place> {
+    /// Moves a guess to where what was seen, each by its weight, lies best; none where the robot cannot
+    /// have been.
+    fn settle(&self, seen: &[Seen], guess: Pose, weight: impl Fn(&Seen) -> f64) -> Option<Place> {
         let mut onto = guess;
         let mut information = Matrix3::zeros();
         let count = seen.len() as f64;
@@ -222,8 +240,9 @@ impl Landmarks {
                 }
                 let lever = perp(p - about).dot(&direction);
                 let row = Vector3::new(direction.x, direction.y, lever);
-                normal += row * row.transpose();
-                right -= row * off;
+                let weight = weight(one);
+                normal += row * row.transpose() * weight;
+                right -= row * (off * weight);
             }
             let firm = normal + Matrix3::identity() * 1e-6;
             let step = firm.try_inverse()? * right;
@@ -328,7 +347,8 @@ mod tests {
                 // Jitter that is the same each time.
                 let jitter = perp(off.normalize()) * (0.0015 * f64::from(k % 3) - 0.0015);
                 let point = frame.to_local(at + jitter);
-                seen.push(Seen { point, from: frame.to_local(at + inward) });
+                let travelled = 0.05 * seen.len() as f64;
+                seen.push(Seen { point, from: frame.to_local(at + inward), travelled });
             }
         }
         seen

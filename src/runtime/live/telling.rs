@@ -1,7 +1,7 @@
 //! What a run over a line tells: the state for the screen, how it ended, the results.
 
 use super::LiveRun;
-use crate::export::RunRecord;
+use crate::export::{Outcome, RunRecord};
 use crate::runtime::Ending;
 use crate::session::{Known, Snapshot};
 use crate::wire::Health;
@@ -25,6 +25,12 @@ impl<W: Write> LiveRun<W> {
             snapshot.robot = Known::Stale { value, age: self.host.silence(now) };
         }
         snapshot
+    }
+
+    /// The program failed with `why`: what is shown from now on is old.
+    pub fn broke(&mut self, why: String) {
+        self.host.unplugged(&mut Vec::new());
+        self.end(Outcome::Failed, why);
     }
 
     /// How the run ended; none while there is more to do.

@@ -122,3 +122,67 @@ fn without_a_boundary_the_lap_begins_anew_from_where_the_operator_says() {
     assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
     assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
 }
+
+/// How far the mapped outline is from the true one at its corners, at most, metres.
+fn worst_corner(rig: &Rig, world: &World) -> f64 {
+    let map = rig.run.session().expect("a session").mission().map();
+    let outline = &map.shape.as_ref().expect("a shape").outline;
+    let corners = world.boundary.pieces.iter().map(crate::geometry::Piece::from);
+    corners.map(|corner| outline.distance(corner)).fold(0.0, f64::max)
+}
+
+/// Runs that are carried to a random place of a world, with noise: how far off the robot believes it is
+/// when it has found its place, and how far the map is off at the end.
+/// `cargo test --release -- --ignored many_carried`
+#[test]
+#[ignore = "minutes; prints a table"]
+fn many_carried() {
+    let worlds = [
+        include_str!("../../../../sims/l_room.toml"),
+        include_str!("../../../../sims/flat.toml"),
+        include_str!("../../../../sims/u_room.toml"),
+        include_str!("../../../../sims/comb.toml"),
+        include_str!("../../../../sims/keyhole.toml"),
+    ];
+    for (n, text) in worlds.iter().enumerate() {
+        let world = World::from_toml(text, "world", 0.1).expect("a world");
+        for trial in 0..4_u64 {
+            let start = |seed| {
+                let noise = NoiseProfile::Calibrated;
+                let mut rig = rig_in(&world, noise, Faults::default(), seed, (true, None));
+                assert!(rig.until(4000.0, is_touring));
+                rig
+            };
+            let mut rng = ChaCha8Rng::seed_from_u64(n as u64 * 100 + trial);
+            let mut rig = start(trial);
+            let before = worst_corner(&rig, &world);
+            let path = rig.run.session().expect("touring").mission().map_now().path;
+            let at = path[rng.random_range(0..path.len())].pose.position;
+            let place = Pose { position: at, heading: rng.random::<f64>() * 6.0 };
+            rig.reboot();
+            let there = World { start: place, ..world.clone() };
+            let chassis = crate::robot::Chassis::default();
+            rig.body = Body::new(&there, &chassis, NoiseProfile::Calibrated, trial);
+            rig.up.clear();
+            rig.until(10.0, |rig| rig.run.ending().is_some());
+            rig.up.clear();
+            resurrect(&mut rig, 9, None);
+            let lost = |rig: &Rig| rig.run.session().is_some_and(|s| s.mission().is_lost());
+            rig.until(10.0, lost);
+            rig.until(2000.0, |rig| !lost(rig) || rig.run.ending().is_some());
+            let (found, near) = (!lost(&rig), off(&rig));
+            let pose = rig.run.session().expect("a session").mission().tracker().pose();
+            let turned = pose.heading - rig.body.true_pose().heading;
+            let turned = crate::geometry::angle::wrap(turned);
+            rig.until(6000.0, |rig| rig.run.ending().is_some());
+            let after = worst_corner(&rig, &world);
+            let mut whole = start(trial);
+            whole.until(6000.0, |rig| rig.run.ending().is_some());
+            println!(
+                "{n} {trial} found {found} off {near:.3} m {turned:+.4} rad; worst corner \
+                 {before:.3} before, {after:.3} at the end, {:.3} without",
+                worst_corner(&whole, &world)
+            );
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! What becomes of the robot when this program fails: on a real pseudo-terminal, in real time, with the
+//! robot's drive watched.
+
+use super::*;
+use crate::export::Outcome;
+use crate::firmware::{Device, STEP};
+use crate::mapping::settings::Settings;
+use crate::robot::Chassis;
+use crate::simulator::{Body, NoiseProfile, World};
+use tokio_serial::{SerialPort, SerialStream};
+
+/// Which part of the program fails.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Failing {
+    /// The thread that keeps the robot.
+    Control,
+    /// Whoever holds the line: the screen.
+    Screen,
+}
+
+/// What the robot's side saw.
+struct Seen {
+    /// Seconds from the failure until the drive stood still, and metres driven meanwhile.
+    stopped: f64,
+    went: f64,
+    ending: Option<Ending>,
+}
+
+fn failing(what: Failing) -> Seen {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.expect("a runtime");
+    let text = include_str!("../../../sims/rectangle.toml");
+    let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+    let mut device = Device::new(&Chassis::default(), "tin", 1, 1.0);
+    let mut body = Body::new(&world, &Chassis::default(), NoiseProfile::None, 1);
+    let (mut ours, theirs) = {
+        let _inside = runtime.enter();
+        SerialStream::pair().expect("a pseudo-terminal")
+    };
+    let address: Address = theirs.name().expect("a name").parse().expect("an address");
+    let port = address.to_string();
+    let plan = Plan { settings: Settings::new(world.start), port, until: None, at_once: true };
+    let record = std::env::temp_dir().join(format!("periplus-{}-{what:?}", std::process::id()));
+    let journal = File::create(&record).expect("a record");
+    let mut line = Some(Line::open(address, plan, journal, None).expect("the line opens"));
+    let seen = runtime.block_on(async {
+        let watch = Stopwatch::start();
+        let mut tick = tokio::time::interval(Duration::from_secs_f64(STEP));
+        let mut bytes = [0_u8; 512];
+        let mut fast = 0;
+        let mut failed = None;
+        let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, ending: None };
+        while watch.seconds() < 30.0 {
+            tokio::select! {
+                biased;
+                read = ours.read(&mut bytes) => {
+                    let count = read.expect("the line is there");
+                    if device.receive(&bytes[..count], &body) { body.begin_motion(); }
+                }
+                _ = tick.tick() => {
+                    let before = body.true_pose().position;
+                    device.step(&mut body, |_, _| {});
+                    body.step(STEP);
+                    let moved = (body.true_pose().position - before).norm();
+                    fast = if moved > 0.0035 { fast + 1 } else { 0 };
+                    if let Some((since, from)) = failed && moved < 1e-6 {
+                        let from: crate::geometry::Point = from;
+                        seen.stopped = watch.seconds() - since;
+                        seen.went = (body.true_pose().position - from).norm();
+                        break;
+                    }
+                }
+            }
+            let said = device.take_output();
+            ours.write_all(&said).await.expect("the line takes it");
+            if failed.is_none() && fast > 10 {
+                failed = Some((watch.seconds(), body.true_pose().position));
+                let held = line.as_ref().expect("still held");
+                match what {
+                    Failing::Control => held.requests.send(Request::Panic).expect("it listens"),
+                    Failing::Screen => {
+                        let line = line.take();
+                        std::thread::spawn(move || {
+                            let _line = line;
+                            panic!("asked to");
+                        });
+                    }
+                }
+            }
+        }
+        seen
+    });
+    let ending = line.as_ref().and_then(|line| line.ending(Duration::from_secs(5)));
+    if what == Failing::Control {
+        let why = line.as_ref().and_then(Line::failure).expect("said");
+        assert!(why.contains("asked to"), "{why}");
+        let mut run = line.and_then(Line::leave).expect("what is known is still there");
+        run.conclude().expect("the record is whole");
+        assert!(run.session().is_some());
+    }
+    let kept = crate::journal::read(&record).expect("a record");
+    assert!(!kept.records.is_empty(), "nothing was kept");
+    let _ = std::fs::remove_file(&record);
+    Seen { ending, ..seen }
+}
+
+#[test]
+fn a_panic_in_any_thread_stops_the_robot() {
+    for what in [Failing::Control, Failing::Screen] {
+        let seen = failing(what);
+        // 100 ms to the stop, and braking from 0.2 m/s at 1 m/s² takes 200 ms: sooner than the
+        // watchdog of 300 ms would end it.
+        assert!(seen.stopped < 0.4, "{what:?}: still driving after {} s", seen.stopped);
+        assert!(seen.went < 0.055, "{what:?}: {} m", seen.went);
+        if what == Failing::Control {
+            assert_eq!(seen.ending.map(|ending| ending.outcome), Some(Outcome::Failed));
+        }
+    }
+}

@@ -46,8 +46,9 @@ struct Shown {
     ended: Condvar,
     /// Why the keeper is gone, when it failed.
     failure: Mutex<Option<String>>,
+    /// Of the picture that is there, not of the state behind it.
     version: AtomicU64,
-    /// Somebody waits for a newer picture.
+    /// Somebody looks, and would see a newer picture.
     wanted: AtomicBool,
 }
 
@@ -121,9 +122,10 @@ impl Line {
         held(&self.shown.snapshot).clone()
     }
 
-    /// Changes whenever a picture would differ.
+    /// Changes whenever there is another picture; to ask is to want one.
     #[must_use]
     pub fn version(&self) -> u64 {
+        self.shown.wanted.store(true, Ordering::Release);
         self.shown.version.load(Ordering::Acquire)
     }
 
@@ -336,11 +338,17 @@ impl Keeper {
 
     /// Shows the state to those who want to see it.
     fn show(&mut self) {
-        self.shown.version.store(self.run.version(), Ordering::Release);
+        let now = self.now();
+        let version = self.run.version(now);
         let first = held(&self.shown.snapshot).is_none();
-        if first || self.shown.wanted.swap(false, Ordering::AcqRel) {
-            let snapshot = self.run.snapshot(self.now());
+        if first
+            || (version != self.shown.version.load(Ordering::Acquire)
+                && self.shown.wanted.swap(false, Ordering::AcqRel))
+        {
+            let snapshot = self.run.snapshot(now);
             *held(&self.shown.snapshot) = Some(snapshot);
+            // Only now: whoever sees the new number finds the new picture.
+            self.shown.version.store(version, Ordering::Release);
         }
         if let Some(ending) = self.run.ending() {
             held(&self.shown.ending).get_or_insert(ending);

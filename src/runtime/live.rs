@@ -122,12 +122,6 @@ impl<W: Write> LiveRun<W> {
         self.session.as_ref()
     }
 
-    /// Changes whenever the snapshot would differ.
-    #[must_use]
-    pub fn version(&self) -> u64 {
-        self.version + self.session.as_ref().map_or(0, Session::version)
-    }
-
     /// What is to be written now.
     pub fn take_output(&mut self) -> Vec<u8> {
         self.host.take_output()

@@ -6,6 +6,7 @@ use crate::export::Outcome;
 use crate::firmware::{Device, STEP};
 use crate::mapping::settings::Settings;
 use crate::robot::Chassis;
+use crate::session::{Known, RunState};
 use crate::simulator::{Body, NoiseProfile, World};
 use tokio_serial::{SerialPort, SerialStream};
 
@@ -16,6 +17,8 @@ enum Failing {
     Control,
     /// Whoever holds the line: the screen.
     Screen,
+    /// None of it: the line is unplugged.
+    Nothing,
 }
 
 /// What the robot's side saw.
@@ -24,6 +27,23 @@ struct Seen {
     stopped: f64,
     went: f64,
     ending: Option<Ending>,
+    /// What the screen shows last, looking as the console does.
+    shown: Option<Snapshot>,
+}
+
+/// Looks as the console does, at every new picture, for so many seconds.
+fn look(line: &Line, seconds: f64) -> Option<Snapshot> {
+    let watch = Stopwatch::start();
+    let (mut drawn, mut shown) = (None, None);
+    while watch.seconds() < seconds {
+        let version = line.version();
+        if drawn != Some(version) {
+            shown = line.snapshot();
+            drawn = Some(version);
+        }
+        std::thread::sleep(Duration::from_millis(33));
+    }
+    shown
 }
 
 fn failing(what: Failing) -> Seen {
@@ -49,7 +69,7 @@ fn failing(what: Failing) -> Seen {
         let mut bytes = [0_u8; 512];
         let mut fast = 0;
         let mut failed = None;
-        let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, ending: None };
+        let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, ending: None, shown: None };
         while watch.seconds() < 30.0 {
             tokio::select! {
                 biased;
@@ -77,6 +97,7 @@ fn failing(what: Failing) -> Seen {
                 failed = Some((watch.seconds(), body.true_pose().position));
                 let held = line.as_ref().expect("still held");
                 match what {
+                    Failing::Nothing => break,
                     Failing::Control => held.requests.send(Request::Panic).expect("it listens"),
                     Failing::Screen => {
                         let line = line.take();
@@ -90,6 +111,8 @@ fn failing(what: Failing) -> Seen {
         }
         seen
     });
+    drop(ours);
+    let shown = line.as_ref().filter(|_| what == Failing::Nothing).and_then(|l| look(l, 1.0));
     let ending = line.as_ref().and_then(|line| line.ending(Duration::from_secs(5)));
     if what == Failing::Control {
         let why = line.as_ref().and_then(Line::failure).expect("said");
@@ -101,7 +124,7 @@ fn failing(what: Failing) -> Seen {
     let kept = crate::journal::read(&record).expect("a record");
     assert!(!kept.records.is_empty(), "nothing was kept");
     let _ = std::fs::remove_file(&record);
-    Seen { ending, ..seen }
+    Seen { ending, shown, ..seen }
 }
 
 #[test]
@@ -116,4 +139,14 @@ fn a_panic_in_any_thread_stops_the_robot() {
             assert_eq!(seen.ending.map(|ending| ending.outcome), Some(Outcome::Failed));
         }
     }
+}
+
+#[test]
+fn a_line_that_is_unplugged_is_seen_on_the_screen() {
+    let seen = failing(Failing::Nothing);
+    let shown = seen.shown.expect("a picture");
+    assert!(matches!(shown.robot, Known::Stale { age, .. } if age > 0.5), "{:?}", shown.robot);
+    assert_eq!(shown.run, RunState::Stopped);
+    let why = seen.ending.expect("an ending").reason;
+    assert!(why.contains("unplugged"), "{why}");
 }

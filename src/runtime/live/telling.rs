@@ -3,11 +3,20 @@
 use super::LiveRun;
 use crate::export::{Outcome, RunRecord};
 use crate::runtime::Ending;
-use crate::session::{Known, Snapshot};
+use crate::session::{Known, Session, Snapshot};
 use crate::wire::Health;
 use std::io::Write;
 
 impl<W: Write> LiveRun<W> {
+    /// Changes whenever the snapshot would differ, the age of what is old included.
+    #[must_use]
+    pub fn version(&self, now: f64) -> u64 {
+        let old = self.host.health() != Health::Up;
+        let tenths = if old { (self.host.silence(now) * 10.0) as u64 + 1 } else { 0 };
+        let changes = self.version + self.session.as_ref().map_or(0, Session::version);
+        changes.wrapping_mul(1 << 24).wrapping_add(tenths)
+    }
+
     /// The state for the screen; what is old says so.
     #[must_use]
     pub fn snapshot(&self, now: f64) -> Snapshot {

@@ -24,4 +24,5 @@ pub mod smooth;
 pub mod survey;
 pub mod tape;
 pub mod tour;
+pub mod trust;
 pub mod wall;

@@ -6,6 +6,7 @@ use crate::mapping::map::{
     Misclosure, ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
 };
 use crate::mapping::settings::{Contour, Strategy};
+use crate::mapping::trust::Doubted;
 use serde::Serialize;
 
 /// The report as the text of a JSON file. `map_bytes` is the size of `map.json`.
@@ -34,6 +35,9 @@ struct Report<'a> {
     objects: Vec<Object>,
     passable_gap_m: f64,
     bumps: u32,
+    /// Switches that gave themselves away as broken.
+    #[serde(skip_serializing_if = "<[Doubted]>::is_empty")]
+    broken_switches: &'a [Doubted],
     contact_m: f64,
     map_bytes: usize,
     wall_s: f64,
@@ -155,6 +159,7 @@ impl<'a> Report<'a> {
             objects: objects(record),
             passable_gap_m: rounded(record.settings.chassis.passable_gap(), 4),
             bumps: record.bumps,
+            broken_switches: &map.doubted,
             contact_m: rounded(record.contact, 4),
             map_bytes,
             wall_s: rounded(record.wall_seconds, 3),

@@ -95,6 +95,7 @@ pub(crate) fn room() -> Sample {
             objects: vec![0.0075; 3],
         }),
         taped: None,
+        doubted: Vec::new(),
     };
     Sample { map, settings, truth }
 }

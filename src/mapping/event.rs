@@ -2,6 +2,7 @@
 //! `words`.
 
 use super::map::{LineReason, Phase, ShapeClass};
+use super::trust::Defect;
 use crate::geometry::Point;
 use crate::robot::DoneReason;
 use serde::{Deserialize, Serialize};
@@ -227,6 +228,13 @@ pub enum EventKind {
         diameter: f64,
         /// Its centre.
         at: Point,
+    },
+    /// A switch gave itself away as broken: it is not listened to any more.
+    SwitchDoubted {
+        /// What it is called.
+        switch: String,
+        /// What is wrong with it.
+        defect: Defect,
     },
     /// Why the next motion was chosen.
     Reason {

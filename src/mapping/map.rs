@@ -4,6 +4,7 @@
 use super::accuracy::Accuracy;
 use super::settings::Strategy;
 use super::tape::Taped;
+use super::trust::Doubted;
 use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
 
@@ -335,4 +336,7 @@ pub struct RoomMap {
     /// What a taped length made of the map, if one was given and fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taped: Option<Taped>,
+    /// Switches that gave themselves away as broken, and were not listened to from then on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubted: Vec<Doubted>,
 }

@@ -19,8 +19,9 @@ use super::settings::Settings;
 use super::survey::Survey;
 use super::tape::Tape;
 use super::tour::Tour;
+use super::trust::Trust;
 use super::wall::Wall;
-use crate::robot::{Command, CommandId, DoneReason, Motion, SwitchSet};
+use crate::robot::{Command, CommandId, DoneReason, Guard, Motion, SwitchSet};
 
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +84,8 @@ pub struct Mission {
     task: Task,
     outcome: Outcome,
     rest: AtRest,
+    /// What the switches say, and what of it is believed.
+    raw: SwitchSet,
     closed: SwitchSet,
     bumper: bool,
     bumps: u32,
@@ -91,6 +94,9 @@ pub struct Mission {
     began: bool,
     laps: u32,
     lost: Option<Lost>,
+    trust: Trust,
+    /// What is under way rests on a switch that chatters: it is begun again.
+    afresh: bool,
 }
 
 impl Mission {
@@ -108,6 +114,7 @@ impl Mission {
             task: Task::Search(Box::new(Search::new(&settings, settings.start))),
             outcome: Outcome::Going,
             rest,
+            raw: SwitchSet::EMPTY,
             closed: SwitchSet::EMPTY,
             bumper: false,
             bumps: 0,
@@ -116,6 +123,8 @@ impl Mission {
             began: false,
             laps: 0,
             lost: None,
+            trust: Trust::new(&settings.chassis),
+            afresh: false,
             settings,
         }
     }
@@ -323,15 +332,25 @@ impl Mission {
             Motion::Rest => (Motion::Rest, 1.0),
         };
         self.next_id += 1;
-        let command = Command {
-            id: CommandId(self.next_id),
-            motion,
-            guard: ask.guard,
-            time_limit: seconds * 1.5 + 2.0,
+        let guard = Guard {
+            rise: self.trust.believed(ask.guard.rise),
+            fall: self.trust.believed(ask.guard.fall),
         };
+        let command =
+            Command { id: CommandId(self.next_id), motion, guard, time_limit: seconds * 1.5 + 2.0 };
         let turning = matches!(motion, Motion::Turn { .. });
         self.awaited = Some(Awaited { id: command.id, turning });
         out.push(Output::Command(command, ask.why));
+    }
+
+    /// Forgets what a switch that chatters made of the way in hand; what is mapped stays.
+    fn begin_afresh(&mut self) {
+        self.rest = AtRest { closed: self.closed, reason: DoneReason::Complete, ..self.rest };
+        match &mut self.task {
+            Task::Search(search) => **search = Search::new(&self.settings, self.rest.pose),
+            Task::Tour(tour) => tour.interrupt(&mut self.map),
+            Task::Relocate(..) | Task::Shape | Task::Plan | Task::Over => {}
+        }
     }
 
     /// Decides what comes next: sends one command, or does a phase that needs none.
@@ -342,6 +361,9 @@ impl Mission {
         if !self.began {
             self.began = true;
             self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
+        }
+        if std::mem::take(&mut self.afresh) {
+            self.begin_afresh();
         }
         match std::mem::replace(&mut self.task, Task::Over) {
             Task::Search(search) => self.search(search, out),

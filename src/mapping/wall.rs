@@ -87,6 +87,8 @@ pub struct Wall {
     log: Vec<Sighting>,
     near: Vec<usize>,
     last_pose: Option<Pose>,
+    /// Switches that were open where another had seen something.
+    missed: Vec<usize>,
 }
 
 impl Wall {
@@ -101,7 +103,13 @@ impl Wall {
             log: Vec::new(),
             near: Vec::new(),
             last_pose: None,
+            missed: Vec::new(),
         }
+    }
+
+    /// The switches that were open where another had seen something, since this was asked last.
+    pub fn take_missed(&mut self) -> Vec<usize> {
+        std::mem::take(&mut self.missed)
     }
 
     /// Every sighting, in the order in which it came.
@@ -350,6 +358,9 @@ impl Wall {
                     if touch {
                         moved.push(index);
                         break;
+                    }
+                    if seen.alive && seen.sensor.is_some_and(|other| other != sensor) {
+                        self.missed.push(sensor);
                     }
                     seen.alive = false;
                 }

@@ -42,6 +42,9 @@ fn view(snapshot: &Snapshot) -> Option<RobotView> {
 
 fn rows(snapshot: &Snapshot) -> Vec<Row> {
     let mut rows = robot_rows(snapshot);
+    for doubted in &snapshot.map.doubted {
+        rows.push(("broken", doubted.switch.clone(), Role::Warning));
+    }
     rows.push(match &snapshot.command {
         Some((command, _)) => ("command", words::command(command), Role::Value),
         None => ("command", "none".to_owned(), Role::Muted),

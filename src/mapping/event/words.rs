@@ -2,6 +2,7 @@
 
 use super::{EventKind, Failure, Severity};
 use crate::mapping::map::{LineReason, Phase, ShapeClass};
+use crate::mapping::trust::Defect;
 use std::fmt;
 
 impl fmt::Display for Failure {
@@ -34,6 +35,16 @@ impl fmt::Display for LineReason {
             Self::EndOccupied => "an object stands on its end",
             Self::ObjectOnLine => "an object blocks it",
             Self::Unreachable => "no way leads there",
+        })
+    }
+}
+
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::StuckClosed => "stays closed wherever the robot goes",
+            Self::NeverFires => "never fires where others do",
+            Self::Chatters => "opens and closes for no reason",
         })
     }
 }
@@ -85,8 +96,8 @@ fn recognised(f: &mut fmt::Formatter<'_>, object: Option<u32>, off: f64) -> fmt:
     write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
 }
 
-/// What became of a robot that was carried.
-fn carried(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+/// What became of a robot that was carried, or has a broken switch.
+fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
         EventKind::Carried => {
             f.write_str("the robot is no longer where it was: its place has to be found again")
@@ -97,6 +108,9 @@ fn carried(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         }
         EventKind::PlaceFound { at, driven } => {
             write!(f, "place found after {driven:.1} m: ({:.2}, {:.2})", at.x, at.y)
+        }
+        EventKind::SwitchDoubted { switch, defect } => {
+            write!(f, "switch `{switch}` {defect}: going on without it; see to it")
         }
         EventKind::PlaceNeeded => f.write_str(
             "no boundary is closed yet to know a place by: put the robot down, at the start or \
@@ -171,7 +185,8 @@ impl fmt::Display for EventKind {
             | Self::BegunAnew { .. }
             | Self::PlaceFound { .. }
             | Self::PlaceNeeded
-            | Self::PlaceUnclear { .. } => carried(f, self),
+            | Self::PlaceUnclear { .. }
+            | Self::SwitchDoubted { .. } => trouble(f, self),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
             Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
@@ -216,6 +231,7 @@ impl EventKind {
             | Self::Carried
             | Self::PlaceNeeded
             | Self::PlaceUnclear { .. }
+            | Self::SwitchDoubted { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNowhere
             | Self::Bumped

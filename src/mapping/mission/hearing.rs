@@ -5,7 +5,8 @@ use crate::geometry::Pose;
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Phase;
 use crate::mapping::survey::Step;
-use crate::robot::{DoneReason, Odometer, Telemetry};
+use crate::mapping::trust::{Defect, Doubted};
+use crate::robot::{DoneReason, Odometer, SwitchSet, Telemetry};
 
 /// What the wheels add on the tour, metres per root metre.
 const WHEEL_SD: f64 = 0.004;
@@ -16,15 +17,18 @@ impl Mission {
         match input {
             Telemetry::Report { odometer, switches, bumper } => {
                 self.odometer(odometer);
-                self.closed = *switches;
+                self.hear(*switches, out);
                 self.bumper = *bumper;
             }
             Telemetry::Edge(edge) => {
                 let pose = self.odometer(&edge.odometer);
+                self.hear(self.raw.with(edge.sensor, edge.rising), out);
+                if self.trust.out().has(edge.sensor) {
+                    return;
+                }
                 let turning = self.awaited.is_none_or(|awaited| awaited.turning);
                 let travelled = self.tracker.travelled();
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
-                self.closed = self.closed.with(edge.sensor, edge.rising);
                 if let (Task::Tour(tour), Some(seen)) = (&mut self.task, seen)
                     && let Some(fixed) = tour.fix(&mut self.survey, pose, &seen)
                 {
@@ -33,7 +37,7 @@ impl Mission {
             }
             Telemetry::Done { id, reason, odometer, switches, bumper } => {
                 let pose = self.odometer(odometer);
-                self.closed = *switches;
+                self.hear(*switches, out);
                 self.bumper = *bumper;
                 if self.awaited.is_some_and(|awaited| awaited.id == *id) {
                     self.awaited = None;
@@ -41,6 +45,25 @@ impl Mission {
                 }
             }
         }
+    }
+
+    /// Takes what the switches say, and listens no longer to one that gives itself away by it.
+    fn hear(&mut self, switches: SwitchSet, out: &mut Vec<Output>) {
+        self.raw = switches;
+        let way = (self.tracker.travelled(), self.tracker.spun().wound);
+        self.trust.hear(switches, way);
+        if let Some(wall) = self.wall_mut() {
+            for index in wall.take_missed() {
+                self.trust.missed(index);
+            }
+        }
+        while let Some((index, defect)) = self.trust.next_defect(way) {
+            let switch = self.settings.chassis.sensors[index].name.clone();
+            self.afresh |= defect == Defect::Chatters;
+            self.map.doubted.push(Doubted { switch: switch.clone(), defect });
+            self.tell(EventKind::SwitchDoubted { switch, defect }, out);
+        }
+        self.closed = self.trust.believed(switches);
     }
 
     fn came_to_rest(
@@ -87,7 +110,9 @@ impl Mission {
             };
             self.survey.predict(&step, WHEEL_SD);
         }
-        let (travelled, closed) = (self.tracker.travelled(), self.closed);
+        // Who is not listened to proves nothing by being open either.
+        let closed = self.closed.union(self.trust.out());
+        let travelled = self.tracker.travelled();
         if let Some(wall) = self.wall_mut() {
             wall.carve(pose, closed, travelled);
         }

@@ -41,7 +41,7 @@ fn look(line: &Line, seconds: f64) -> Option<Snapshot> {
             shown = line.snapshot();
             drawn = Some(version);
         }
-        std::thread::sleep(Duration::from_millis(33));
+        std::thread::park_timeout(Duration::from_millis(33));
     }
     shown
 }

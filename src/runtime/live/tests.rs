@@ -37,13 +37,37 @@ impl Write for Memory {
     }
 }
 
-/// A body whose encoders do not tell the truth.
+/// A body whose encoders, or one of whose switches, do not tell the truth.
 struct Liar<'a> {
     body: &'a mut Body,
     lie: [f64; 2],
+    broken: Option<Broken>,
+    /// What a switch that chatters said last.
+    chattered: &'a mut bool,
+}
+
+/// What is wrong with a switch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Broken {
+    switch: usize,
+    how: Fault,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Fault {
+    /// It says all the time that something is there.
+    Closed,
+    /// It never fires.
+    Open,
+    /// It opens and closes whatever is there, every 60 ms.
+    Chatter,
 }
 
 impl Liar<'_> {
+    fn chatters(&self) -> bool {
+        (self.body.odometer().time_us / 60_000).is_multiple_of(2)
+    }
+
     fn bend(&self, told: Odometer) -> Odometer {
         let [left, right] = self.lie;
         Odometer {
@@ -64,7 +88,13 @@ impl Hardware for Liar<'_> {
     }
 
     fn switches(&self) -> SwitchSet {
-        self.body.switches()
+        let all = self.body.switches();
+        match self.broken {
+            Some(Broken { switch, how: Fault::Closed }) => all.with(switch, true),
+            Some(Broken { switch, how: Fault::Open }) => all.with(switch, false),
+            Some(Broken { switch, how: Fault::Chatter }) => all.with(switch, self.chatters()),
+            None => all,
+        }
     }
 
     fn bumper(&self) -> bool {
@@ -72,7 +102,15 @@ impl Hardware for Liar<'_> {
     }
 
     fn take_edge(&mut self) -> Option<Edge> {
-        let edge = self.body.take_edge()?;
+        let broken = self.broken.map(|broken| broken.switch);
+        if let Some(Broken { switch: sensor, how: Fault::Chatter }) = self.broken
+            && *self.chattered != self.chatters()
+        {
+            *self.chattered = self.chatters();
+            return Some(Edge { sensor, rising: *self.chattered, odometer: self.odometer() });
+        }
+        let edge =
+            std::iter::from_fn(|| self.body.take_edge()).find(|e| Some(e.sensor) != broken)?;
         Some(Edge { odometer: self.bend(edge.odometer), ..edge })
     }
 }
@@ -89,6 +127,8 @@ struct Rig {
     host_dead: bool,
     /// What the robot says its wheels did, as shares of what they did.
     lie: [f64; 2],
+    broken: Option<Broken>,
+    chattered: bool,
     /// What the robot hears, read beside it: where it was when it last had a good line.
     ear: crate::wire::Decoder,
     good: crate::geometry::Point,
@@ -124,6 +164,8 @@ fn rig_in(
         now: 0.0,
         host_dead: false,
         lie: [1.0, 1.0],
+        broken: None,
+        chattered: false,
         ear: crate::wire::Decoder::default(),
         good: world.start.position,
         farthest: 0.0,
@@ -148,7 +190,12 @@ impl Rig {
             self.good = at;
         }
         self.farthest = self.farthest.max((at - self.good).norm());
-        let mut liar = Liar { body: &mut self.body, lie: self.lie };
+        let mut liar = Liar {
+            body: &mut self.body,
+            lie: self.lie,
+            broken: self.broken,
+            chattered: &mut self.chattered,
+        };
         if self.device.receive(&down, &liar) {
             liar.body.begin_motion();
         }

@@ -1,7 +1,8 @@
 //! What is wrong with neither end of the line: a disk that fills up, encoders that do not tell the
-//! truth.
+//! truth, switches that are broken.
 
 use super::*;
+use crate::mapping::trust::Defect;
 
 /// However many writes the disk has room for, the robot stands still soon after the first that it has
 /// not, and the operator is told; what was written before is a whole record.
@@ -53,4 +54,37 @@ fn encoders_that_stand_still_end_the_run() {
     assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Failed);
     rig.until(1.0, |_| false);
     assert!(!rig.device.is_moving());
+}
+
+/// Whatever is wrong with one switch: it is named, and the run comes to its end with the right map.
+#[test]
+fn a_broken_switch_is_named_and_the_run_goes_on_without_it() {
+    let text = include_str!("../../../../sims/l_room.toml");
+    let world = World::from_toml(text, "l_room", 0.1).expect("a world");
+    for how in [Fault::Closed, Fault::Open, Fault::Chatter] {
+        for switch in 0..8 {
+            let noise = NoiseProfile::Calibrated;
+            let mut rig = rig_in(&world, noise, Faults::default(), 1, (true, None));
+            rig.broken = Some(Broken { switch, how });
+            let ended = rig.until(3000.0, |rig| rig.run.ending().is_some());
+            assert!(ended, "{how:?} {switch}: it goes on and on");
+            let ending = rig.run.ending().expect("an ending");
+            let case = format!("{how:?} {switch}");
+            assert_eq!(ending.outcome, Outcome::Complete, "{case}: {}", ending.reason);
+            let map = rig.run.session().expect("a session").mission().map();
+            let outline = &map.shape.as_ref().expect("a shape").outline;
+            let corners = world.boundary.pieces.iter().map(crate::geometry::Piece::from);
+            let worst = corners.map(|corner| outline.distance(corner)).fold(0.0, f64::max);
+            assert!(worst < 0.06, "{case}: a corner is {worst} m off");
+            assert_eq!(map.objects.len(), 1, "{case}");
+            let named: Vec<_> = map.doubted.iter().map(|d| (d.switch.clone(), d.defect)).collect();
+            let name = crate::robot::Chassis::default().sensors[switch].name.clone();
+            let defect = match how {
+                Fault::Closed => Defect::StuckClosed,
+                Fault::Open => Defect::NeverFires,
+                Fault::Chatter => Defect::Chatters,
+            };
+            assert_eq!(named, [(name, defect)], "{case}");
+        }
+    }
 }

@@ -225,6 +225,12 @@ impl Tracker {
         self.tick / self.wheel_base
     }
 
+    /// Radians of the turn under way: it lasts until the robot turns the other way.
+    #[must_use]
+    pub fn turn(&self) -> f64 {
+        self.turn
+    }
+
     /// How far gyro and wheels turned in all.
     #[must_use]
     pub fn spun(&self) -> Spun {

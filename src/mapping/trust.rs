@@ -26,9 +26,11 @@ pub struct Doubted {
     pub defect: Defect,
 }
 
-/// A switch that closes and never opens over so many metres and radians (every look at the wall opens
-/// those that see it, and no robot is let into a lane that it fills) is stuck.
-const STUCK: (f64, f64) = (1.0, 12.0);
+/// A switch that stays closed through so many turns in a row, each of so many radians, over so many
+/// metres, is stuck: a turn takes a beam off what it sees, on every wall and in almost every corner.
+const TURNS: u32 = 6;
+const LARGE: f64 = 0.8;
+const WAY: f64 = 0.5;
 /// A switch that has not fired once, and was open where others had seen something so often, is dead.
 const MISSED: u32 = 12;
 /// While the robot goes no farther than so many metres and radians, no switch changes as often, thin
@@ -40,8 +42,9 @@ const SPOT: (f64, f64) = (0.05, 0.6);
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Record {
     closed: bool,
-    /// Metres travelled and radians wound when it was open last.
-    open_at: (f64, f64),
+    /// Metres travelled when it was open last, and large turns since then.
+    open_at: f64,
+    turns: u32,
     fired: u32,
     missed: u32,
     /// How often it changed on the spot where the robot is, and where that spot began.
@@ -54,13 +57,27 @@ struct Record {
 pub struct Trust {
     records: Vec<Record>,
     out: SwitchSet,
+    /// Whether the turn under way is a large one already.
+    large: bool,
+}
+
+/// What the robot has done when its switches are heard.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Going {
+    /// Metres travelled in all.
+    pub travelled: f64,
+    /// Radians turned in all, either way.
+    pub wound: f64,
+    /// Radians of the turn under way.
+    pub turn: f64,
 }
 
 impl Trust {
     /// Every switch of `chassis` is believed until it gives itself away.
     #[must_use]
     pub fn new(chassis: &Chassis) -> Self {
-        Self { records: vec![Record::default(); chassis.sensors.len()], out: SwitchSet::EMPTY }
+        let records = vec![Record::default(); chassis.sensors.len()];
+        Self { records, out: SwitchSet::EMPTY, large: false }
     }
 
     /// The switches that are no longer listened to.
@@ -75,8 +92,11 @@ impl Trust {
         self.out.iter().fold(closed, |set, index| set.with(index, false))
     }
 
-    /// The switches say `closed` when the robot has travelled and wound `way` (metres, radians).
-    pub fn hear(&mut self, closed: SwitchSet, way: (f64, f64)) {
+    /// The switches say `closed`.
+    pub fn hear(&mut self, closed: SwitchSet, going: &Going) {
+        let way = (going.travelled, going.wound);
+        let turned = going.turn.abs() > LARGE && !self.large;
+        self.large = going.turn.abs() > LARGE;
         for (index, record) in self.records.iter_mut().enumerate() {
             if way.0 - record.spot.0 > SPOT.0 || way.1 - record.spot.1 > SPOT.1 {
                 (record.spot, record.changes) = (way, 0);
@@ -87,8 +107,9 @@ impl Trust {
                 record.fired += u32::from(now);
                 record.changes += 1;
             }
+            record.turns += u32::from(turned);
             if !now {
-                record.open_at = way;
+                (record.open_at, record.turns) = (going.travelled, 0);
             }
         }
     }
@@ -100,13 +121,13 @@ impl Trust {
         }
     }
 
-    /// The next switch that has given itself away by now, the robot having come `way`: it is out.
-    pub fn next_defect(&mut self, way: (f64, f64)) -> Option<(usize, Defect)> {
+    /// The next switch that has given itself away by now: it is out.
+    pub fn next_defect(&mut self, going: &Going) -> Option<(usize, Defect)> {
         let defect = |record: &Record| {
-            let since = (way.0 - record.open_at.0, way.1 - record.open_at.1);
+            let far = going.travelled - record.open_at > WAY;
             if record.changes >= CHATTER {
                 Some(Defect::Chatters)
-            } else if record.closed && since.0 > STUCK.0 && since.1 > STUCK.1 {
+            } else if record.closed && far && record.turns >= TURNS {
                 Some(Defect::StuckClosed)
             } else if record.fired == 0 && record.missed >= MISSED {
                 Some(Defect::NeverFires)
@@ -131,39 +152,58 @@ mod tests {
     }
 
     #[test]
-    fn a_switch_that_never_opens_is_stuck_and_one_at_a_long_wall_is_not() {
+    fn a_switch_that_stays_closed_through_every_turn_is_stuck() {
         let mut trust = Trust::new(&Chassis::default());
-        for step in 0..40 {
+        let mut going = Going::default();
+        for _ in 0..TURNS {
+            assert_eq!(trust.next_defect(&going), None);
             // A wall on the left, looked at every half metre; the back says something all along.
-            let way = (f64::from(step) * 0.5, f64::from(step) * 2.0);
-            trust.hear(closed(&[2, 4]), way);
-            trust.hear(closed(&[4]), (way.0 + 0.4, way.1 + 1.0));
+            going.travelled += 0.5;
+            going.turn = 0.0;
+            trust.hear(closed(&[2, 4]), &going);
+            going.turn = -0.4;
+            trust.hear(closed(&[4]), &going);
+            going.turn = -0.9;
+            trust.hear(closed(&[4]), &going);
+            going.turn = -1.0;
+            trust.hear(closed(&[4]), &going);
         }
-        let way = (20.0, 80.0);
-        assert_eq!(trust.next_defect(way), Some((4, Defect::StuckClosed)));
-        assert_eq!(trust.next_defect(way), None);
+        assert_eq!(trust.next_defect(&going), Some((4, Defect::StuckClosed)));
+        assert_eq!(trust.next_defect(&going), None);
         assert_eq!(trust.believed(closed(&[2, 4])), closed(&[2]));
     }
 
     #[test]
-    fn a_switch_that_misses_is_dead_unless_it_ever_fired() {
+    fn a_switch_along_a_curved_wall_may_stay_closed_for_ever() {
         let mut trust = Trust::new(&Chassis::default());
-        trust.hear(closed(&[1]), (0.0, 0.0));
+        for step in 0..2000 {
+            let travelled = f64::from(step) * 0.05;
+            let turn = if step % 2 == 0 { 0.3 } else { -0.2 };
+            let going = Going { travelled, wound: travelled * 5.0, turn };
+            trust.hear(closed(&[2]), &going);
+            assert_eq!(trust.next_defect(&going), None);
+        }
+    }
+
+    #[test]
+    fn a_switch_that_misses_is_dead_unless_it_ever_fired() {
+        let (mut trust, going) = (Trust::new(&Chassis::default()), Going::default());
+        trust.hear(closed(&[1]), &going);
         for _ in 0..MISSED {
             trust.missed(1);
             trust.missed(2);
         }
-        assert_eq!(trust.next_defect((1.0, 1.0)), Some((2, Defect::NeverFires)));
-        assert_eq!(trust.next_defect((1.0, 1.0)), None);
+        assert_eq!(trust.next_defect(&going), Some((2, Defect::NeverFires)));
+        assert_eq!(trust.next_defect(&going), None);
     }
 
     #[test]
     fn a_switch_that_changes_all_the_time_chatters() {
-        let mut trust = Trust::new(&Chassis::default());
+        let (mut trust, going) = (Trust::new(&Chassis::default()), Going::default());
         for k in 0..CHATTER {
-            assert_eq!(trust.next_defect((0.0, 0.0)), None, "after {k}");
-            trust.hear(if k % 2 == 0 { closed(&[6]) } else { closed(&[]) }, (0.0, 0.0));
+            assert_eq!(trust.next_defect(&going), None, "after {k}");
+            trust.hear(if k % 2 == 0 { closed(&[6]) } else { closed(&[]) }, &going);
         }
-        assert_eq!(trust.next_defect((0.0, 0.0)), Some((6, Defect::Chatters)));
+        assert_eq!(trust.next_defect(&going), Some((6, Defect::Chatters)));
     }
 }

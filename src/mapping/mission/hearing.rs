@@ -5,7 +5,7 @@ use crate::geometry::Pose;
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Phase;
 use crate::mapping::survey::Step;
-use crate::mapping::trust::{Defect, Doubted};
+use crate::mapping::trust::{Defect, Doubted, Going};
 use crate::robot::{DoneReason, Odometer, SwitchSet, Telemetry};
 
 /// What the wheels add on the tour, metres per root metre.
@@ -50,14 +50,18 @@ impl Mission {
     /// Takes what the switches say, and listens no longer to one that gives itself away by it.
     fn hear(&mut self, switches: SwitchSet, out: &mut Vec<Output>) {
         self.raw = switches;
-        let way = (self.tracker.travelled(), self.tracker.spun().wound);
-        self.trust.hear(switches, way);
+        let going = Going {
+            travelled: self.tracker.travelled(),
+            wound: self.tracker.spun().wound,
+            turn: self.tracker.turn(),
+        };
+        self.trust.hear(switches, &going);
         if let Some(wall) = self.wall_mut() {
             for index in wall.take_missed() {
                 self.trust.missed(index);
             }
         }
-        while let Some((index, defect)) = self.trust.next_defect(way) {
+        while let Some((index, defect)) = self.trust.next_defect(&going) {
             let switch = self.settings.chassis.sensors[index].name.clone();
             self.afresh |= defect == Defect::Chatters;
             self.map.doubted.push(Doubted { switch: switch.clone(), defect });

@@ -12,7 +12,7 @@ use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, Once, PoisonError};
 use std::task::{Context, Waker};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -59,6 +59,33 @@ pub struct Line {
     thread: Option<JoinHandle<LiveRun<File>>>,
 }
 
+/// Those who keep a robot now. A panic is reported before anything is unwound, and the report takes its
+/// time; the robots are stopped first.
+static KEEPERS: Mutex<Vec<UnboundedSender<Request>>> = Mutex::new(Vec::new());
+/// Where the control thread failed.
+static FAILED_AT: Mutex<String> = Mutex::new(String::new());
+/// What the thread that keeps a robot is called.
+const CONTROL: &str = "control";
+
+/// Sees to it that a panic anywhere stops the robots before it is reported. One in a control thread is
+/// not reported here: its last word leaves when it is unwound, and what it was is told as the reason for
+/// which the run ended.
+fn stop_before_reports() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let report = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if std::thread::current().name() == Some(CONTROL) {
+                let place = panic.location().map(ToString::to_string).unwrap_or_default();
+                *held(&FAILED_AT) = place;
+                return;
+            }
+            held(&KEEPERS).retain(|keeper| keeper.send(Request::Intent(Intent::Stop)).is_ok());
+            report(panic);
+        }));
+    });
+}
+
 fn held<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -82,6 +109,8 @@ impl Line {
         let runtime = runtime.map_err(failed)?;
         let stream = runtime.block_on(port::open(&address))?;
         let (requests, asked) = unbounded_channel();
+        stop_before_reports();
+        held(&KEEPERS).push(requests.clone());
         let shown = Arc::new(Shown::default());
         let watch = Stopwatch::start();
         // Tells this conversation from the one before; nothing else depends on it.
@@ -94,7 +123,7 @@ impl Line {
             None => run,
         };
         let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked };
-        let thread = std::thread::Builder::new().name("control".to_owned()).spawn(move || {
+        let thread = std::thread::Builder::new().name(CONTROL.to_owned()).spawn(move || {
             let keep = AssertUnwindSafe(|| runtime.block_on(keeper.keep(stream)));
             // The robot has its stop by then; what is known is still to be written.
             if let Err(panic) = catch_unwind(keep) {
@@ -266,7 +295,8 @@ impl Keeper {
         let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());
         let words = words.or_else(|| panic.downcast_ref::<String>().cloned());
         let words = words.unwrap_or_else(|| "no reason given".to_owned());
-        let why = format!("the program failed ({words}); the robot was told to stop");
+        let place = held(&FAILED_AT).clone();
+        let why = format!("the program failed ({words}, {place}); the robot was told to stop");
         self.run.broke(why.clone());
         *held(&self.shown.failure) = Some(why);
         if let Some(ending) = self.run.ending() {

@@ -131,7 +131,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 
 /// A pose: x and y in metres, heading in degrees.
 pub(super) fn start(text: &str) -> Result<Pose, String> {
-    text.parse().map_err(|error: PoseError| format!("this wants {error}"))
+    text.parse().map_err(|error: PoseError| error.to_string())
 }
 
 /// A taped length: two places in metres, and what the tape said.

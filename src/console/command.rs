@@ -61,7 +61,7 @@ pub enum CommandError {
     #[error("{0}")]
     Tape(#[from] TapeError),
     /// No pose.
-    #[error("placed takes nothing, or {0}")]
+    #[error("placed takes nothing or a pose: {0}")]
     Placed(#[from] PoseError),
     /// Not one of the steps.
     #[error("speed needs one of {}", Speed::all())]
@@ -180,8 +180,8 @@ mod tests {
             ("alpha inf", "alpha needs metres"),
             ("tape 5", "a taped length is X,Y:X,Y=M"),
             ("tape 0,0:5,0=0.1", "a taped length is 0.2 m at least"),
-            ("placed 3", "placed takes nothing, or a pose X,Y,DEG"),
-            ("placed 1,2,nan", "placed takes nothing, or a pose X,Y,DEG"),
+            ("placed 3", "placed takes nothing or a pose: a pose is X,Y,DEG"),
+            ("placed 1,2,nan", "placed takes nothing or a pose: `nan` is not a finite number"),
             ("speed 3", "speed needs one of 1, 2, 5"),
             ("export", "export needs a folder"),
             ("stop now", "`stop` stands alone"),

@@ -15,20 +15,28 @@ pub struct Pose {
 
 /// What is no pose.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a pose X,Y,DEG: metres, and degrees counter-clockwise from +x, such as 0.6,0.6,90")]
-pub struct PoseError;
+pub enum PoseError {
+    /// Not three values.
+    #[error("a pose is X,Y,DEG: metres, and degrees counter-clockwise from +x, such as 0.6,0.6,90")]
+    Form,
+    /// One of them is none.
+    #[error("`{0}` is not a finite number")]
+    Number(String),
+}
 
 /// As people write it: `X,Y,DEG`, metres and degrees counter-clockwise from +x.
 impl FromStr for Pose {
     type Err = PoseError;
 
     fn from_str(text: &str) -> Result<Self, PoseError> {
-        let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
-        let parts: Option<Vec<f64>> = text.split(',').map(number).collect();
-        match parts.as_deref() {
-            Some(&[x, y, degrees]) => Ok(Self::new(x, y, angle::wrap(degrees.to_radians()))),
-            _ => Err(PoseError),
-        }
+        let number = |part: &str| {
+            let value = part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+            value.ok_or_else(|| PoseError::Number(part.trim().to_owned()))
+        };
+        let parts: Vec<&str> = text.split(',').collect();
+        let [x, y, degrees] = parts[..] else { return Err(PoseError::Form) };
+        let heading = angle::wrap(number(degrees)?.to_radians());
+        Ok(Self::new(number(x)?, number(y)?, heading))
     }
 }
 

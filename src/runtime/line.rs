@@ -110,7 +110,10 @@ impl Line {
         let stream = runtime.block_on(port::open(&address))?;
         let (requests, asked) = unbounded_channel();
         stop_before_reports();
-        held(&KEEPERS).push(requests.clone());
+        let mut keepers = held(&KEEPERS);
+        keepers.retain(|keeper| !keeper.is_closed());
+        keepers.push(requests.clone());
+        drop(keepers);
         let shown = Arc::new(Shown::default());
         let watch = Stopwatch::start();
         // Tells this conversation from the one before; nothing else depends on it.

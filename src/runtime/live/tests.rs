@@ -3,13 +3,15 @@
 
 mod adversity;
 mod carried;
+mod liar;
 
 use super::*;
 use crate::firmware::{Device, STEP};
 use crate::link::{Faults, FaultyWay};
-use crate::robot::{Edge, Hardware, Odometer, SwitchSet};
+use crate::robot::Hardware;
 use crate::session::RunState;
 use crate::simulator::{Body, NoiseProfile, World};
+use liar::{Broken, Liar};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -34,84 +36,6 @@ impl Write for Memory {
 
     fn flush(&mut self) -> std::io::Result<()> {
         Ok(())
-    }
-}
-
-/// A body whose encoders, or one of whose switches, do not tell the truth.
-struct Liar<'a> {
-    body: &'a mut Body,
-    lie: [f64; 2],
-    broken: Option<Broken>,
-    /// What a switch that chatters said last.
-    chattered: &'a mut bool,
-}
-
-/// What is wrong with a switch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Broken {
-    switch: usize,
-    how: Fault,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Fault {
-    /// It says all the time that something is there.
-    Closed,
-    /// It never fires.
-    Open,
-    /// It opens and closes whatever is there, every 60 ms.
-    Chatter,
-}
-
-impl Liar<'_> {
-    fn chatters(&self) -> bool {
-        (self.body.odometer().time_us / 60_000).is_multiple_of(2)
-    }
-
-    fn bend(&self, told: Odometer) -> Odometer {
-        let [left, right] = self.lie;
-        Odometer {
-            left_ticks: (told.left_ticks as f64 * left).round() as i64,
-            right_ticks: (told.right_ticks as f64 * right).round() as i64,
-            ..told
-        }
-    }
-}
-
-impl Hardware for Liar<'_> {
-    fn drive(&mut self, speed: f64, rate: f64) {
-        self.body.drive(speed, rate);
-    }
-
-    fn odometer(&self) -> Odometer {
-        self.bend(self.body.odometer())
-    }
-
-    fn switches(&self) -> SwitchSet {
-        let all = self.body.switches();
-        match self.broken {
-            Some(Broken { switch, how: Fault::Closed }) => all.with(switch, true),
-            Some(Broken { switch, how: Fault::Open }) => all.with(switch, false),
-            Some(Broken { switch, how: Fault::Chatter }) => all.with(switch, self.chatters()),
-            None => all,
-        }
-    }
-
-    fn bumper(&self) -> bool {
-        self.body.bumper()
-    }
-
-    fn take_edge(&mut self) -> Option<Edge> {
-        let broken = self.broken.map(|broken| broken.switch);
-        if let Some(Broken { switch: sensor, how: Fault::Chatter }) = self.broken
-            && *self.chattered != self.chatters()
-        {
-            *self.chattered = self.chatters();
-            return Some(Edge { sensor, rising: *self.chattered, odometer: self.odometer() });
-        }
-        let edge =
-            std::iter::from_fn(|| self.body.take_edge()).find(|e| Some(e.sensor) != broken)?;
-        Some(Edge { odometer: self.bend(edge.odometer), ..edge })
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is wrong with neither end of the line: a disk that fills up, encoders that do not tell the
 //! truth, switches that are broken.
 
+use super::liar::Fault;
 use super::*;
 use crate::mapping::trust::Defect;
 

@@ -77,8 +77,9 @@ mod measured {
                             stopping = true;
                             let _ = seen.send(Seen::StopByte(now));
                         }
-                        if device.receive(&bytes[..count], &body) {
-                            body.begin_motion();
+                        let stood = !device.is_moving();
+                        device.receive(&bytes[..count]);
+                        if stood && device.is_moving() {
                             stopping = false;
                             if let Some(done) = done_at.take() {
                                 let _ = seen.send(Seen::Turnaround(now - done));

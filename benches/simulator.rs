@@ -117,8 +117,7 @@ fn firmware_and_body(bencher: divan::Bencher<'_, '_>) {
     bencher.counter(ItemsCount::new(STEPS)).bench_local(|| {
         for _ in 0..STEPS {
             if !firmware.is_moving() {
-                body.begin_motion();
-                firmware.command(wander(number), &body);
+                firmware.command(wander(number));
                 number += 1;
             }
             firmware.heartbeat();

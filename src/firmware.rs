@@ -19,8 +19,16 @@ pub const STEP: f64 = 0.02;
 pub const WATCHDOG: f64 = 0.3;
 /// A stop brakes so many times as hard as the end of a motion.
 const HARD: f64 = 2.0;
+/// What is left of a motion that is complete, metres or radians: no whole number of what either is
+/// counted in, lest the last bit decides.
+const CLOSE: f64 = 1.004e-4;
+/// A complete motion is no faster than what a control step can brake, and this little more: likewise.
+const SLOW: f64 = 1.004;
 /// Steps between two reports.
 const REPORT_STEPS: u32 = 5;
+/// Steps that the body is given to come to rest after a motion before the next one begins: the heading
+/// that a move holds is that of a body at rest. A command that comes sooner waits as long.
+const SETTLING: u32 = 3;
 
 #[derive(Debug, Clone, Copy)]
 struct Running {
@@ -37,6 +45,10 @@ struct Running {
 pub struct Firmware {
     chassis: Chassis,
     running: Option<Running>,
+    /// Taken, and begun as soon as the body is at rest; with why it is to end at once, if it is.
+    waiting: Option<(Command, Option<DoneReason>)>,
+    /// Steps since the last motion ended.
+    stood: u32,
     last_id: Option<CommandId>,
     silent: f64,
     patience: f64,
@@ -50,6 +62,8 @@ impl Firmware {
         Self {
             chassis: chassis.clone(),
             running: None,
+            waiting: None,
+            stood: SETTLING,
             last_id: None,
             silent: 0.0,
             patience: WATCHDOG,
@@ -63,16 +77,23 @@ impl Firmware {
         Self { patience: seconds, ..self }
     }
 
-    /// Begins a motion. A repeated id is the same command and changes nothing.
-    pub fn command(&mut self, command: Command, hardware: &impl Hardware) {
+    /// Takes a motion, which begins once the body is at rest. A repeated id is the same command and
+    /// changes nothing.
+    pub fn command(&mut self, command: Command) {
         self.silent = 0.0;
         if self.last_id == Some(command.id) {
             return;
         }
         self.last_id = Some(command.id);
+        self.waiting = Some((command, None));
+    }
+
+    fn begin(&mut self, command: Command, ending: Option<DoneReason>, hardware: &impl Hardware) {
+        // Reports keep step with the motion, the first of it now: two runs of one plan are told at the
+        // same places of it, whatever the waits before.
+        self.steps = REPORT_STEPS - 1;
         let begin = hardware.odometer();
-        self.running =
-            Some(Running { command, begin, speed: 0.0, ending: None, still: 0, last: begin });
+        self.running = Some(Running { command, begin, speed: 0.0, ending, still: 0, last: begin });
     }
 
     /// The host is there.
@@ -85,15 +106,18 @@ impl Firmware {
         self.end(DoneReason::Stopped);
     }
 
-    /// Whether a motion is under way.
+    /// Whether a motion is under way, or about to be.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        self.running.is_some()
+        self.running.is_some() || self.waiting.is_some()
     }
 
     fn end(&mut self, reason: DoneReason) {
         if let Some(running) = &mut self.running {
             running.ending = running.ending.or(Some(reason));
+        }
+        if let Some((_, ending)) = &mut self.waiting {
+            *ending = ending.or(Some(reason));
         }
     }
 
@@ -101,6 +125,12 @@ impl Firmware {
     /// also given the hardware as it was at that instant.
     pub fn step<H: Hardware>(&mut self, hardware: &mut H, mut tell: impl FnMut(Telemetry, &H)) {
         self.silent += STEP;
+        if self.stood >= SETTLING
+            && let Some((command, ending)) = self.waiting.take()
+        {
+            self.begin(command, ending, hardware);
+        }
+        self.stood = self.stood.saturating_add(1);
         self.steps += 1;
         while let Some(edge) = hardware.take_edge() {
             tell(Telemetry::Edge(edge), hardware);
@@ -131,7 +161,8 @@ impl Firmware {
         let (left, most, acceleration) = self.remaining(&running, &now);
         Self::watch(&mut running, hardware, elapsed);
         let rest = matches!(running.command.motion, Motion::Rest);
-        let complete = !rest && left.abs() < 1e-4 && running.speed.abs() <= acceleration * STEP;
+        let complete =
+            !rest && left.abs() < CLOSE && running.speed.abs() <= SLOW * acceleration * STEP;
         let hit = matches!(running.ending, Some(DoneReason::Bumper | DoneReason::Stalled));
         let target = if running.ending.is_some() || rest {
             0.0
@@ -154,6 +185,7 @@ impl Firmware {
         {
             hardware.drive(0.0, 0.0);
             self.running = None;
+            self.stood = 0;
             return Some(Telemetry::Done {
                 id: running.command.id,
                 reason,

@@ -8,7 +8,7 @@ pub mod message;
 
 pub use frame::{Decoder, Item, STOP, seal};
 pub use host::{Health, Heard, Host};
-pub use message::{FromRobot, ToRobot, VERSION, quantised};
+pub use message::{FromRobot, ToRobot, VERSION, quantised, told};
 
 /// The protocol, as `periplus protocol` prints it.
 pub const PROTOCOL: &str = include_str!("wire/PROTOCOL.md");

@@ -116,7 +116,7 @@ fn ended_by(end: End) -> Seen {
                 biased;
                 read = AsyncReadExt::read(&mut ours, &mut bytes) => {
                     let count = read.expect("the line is there");
-                    if device.receive(&bytes[..count], &body) { body.begin_motion(); }
+                    device.receive(&bytes[..count]);
                 }
                 _ = tick.tick() => {
                     if let Some(terminal) = &mut terminal {

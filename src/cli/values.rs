@@ -8,6 +8,7 @@ use crate::mapping::settings::{Contour, Settings, Strategy};
 use crate::mapping::tape::{Tape, TapeError};
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;
+use crate::wire::told;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
@@ -83,12 +84,15 @@ impl Common {
         Ok((self, places))
     }
 
-    /// The robot's body: from `--chassis`, or the default.
+    /// The robot's body: from `--chassis`, or the default; as a host hears of it, so that a simulated
+    /// robot is the same one on a line and without.
     ///
     /// # Errors
     /// When the chassis file cannot be read or is wrong.
     pub fn body(&self) -> Result<Chassis, ArgumentError> {
-        self.chassis.as_deref().map_or_else(|| Ok(Chassis::default()), chassis::read)
+        let chassis =
+            self.chassis.as_deref().map_or_else(|| Ok(Chassis::default()), chassis::read)?;
+        Ok(told(&chassis))
     }
 
     /// The settings of a run of the robot `body` from `start`.

@@ -84,9 +84,8 @@ impl Device {
         }
     }
 
-    /// Takes what came over the line; answers whether a motion began.
-    pub fn receive(&mut self, bytes: &[u8], hardware: &impl Hardware) -> bool {
-        let mut began = false;
+    /// Takes what came over the line.
+    pub fn receive(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             match self.decoder.push(byte) {
                 None | Some(Item::Garbled) => {}
@@ -94,7 +93,7 @@ impl Device {
                 Some(Item::Body(body)) => {
                     if let Some(message) = ToRobot::parse(&body) {
                         self.firmware.heartbeat();
-                        began |= self.message(&message, hardware);
+                        self.message(&message);
                     } else if let Some(seq) = sequence_of(&body) {
                         let why = "not understood".to_owned();
                         self.say(&FromRobot::Refuse { seq, why });
@@ -102,10 +101,9 @@ impl Device {
                 }
             }
         }
-        began
     }
 
-    fn message(&mut self, message: &ToRobot, hardware: &impl Hardware) -> bool {
+    fn message(&mut self, message: &ToRobot) {
         match *message {
             ToRobot::Hello { session, .. } => {
                 if self.session != Some(session) {
@@ -125,27 +123,25 @@ impl Device {
                 self.unconfirmed.retain(|(number, _)| *number > event);
                 self.say(&FromRobot::Pong { number });
             }
-            ToRobot::Command(command) => return self.command(command, hardware),
+            ToRobot::Command(command) => self.command(command),
         }
-        false
     }
 
-    fn command(&mut self, command: Command, hardware: &impl Hardware) -> bool {
+    fn command(&mut self, command: Command) {
         let seq = command.id.0;
         // An older one came late: it was done long ago.
         if self.newest.is_some_and(|newest| seq <= newest) {
             self.say(&FromRobot::Acknowledge { seq });
-            return false;
+            return;
         }
         if let Some(why) = self.objection(&command) {
             let why = why.to_owned();
             self.say(&FromRobot::Refuse { seq, why });
-            return false;
+            return;
         }
         self.newest = Some(seq);
-        self.firmware.command(command, hardware);
+        self.firmware.command(command);
         self.say(&FromRobot::Acknowledge { seq });
-        true
     }
 
     fn objection(&self, command: &Command) -> Option<&'static str> {

@@ -6,7 +6,7 @@ use crate::firmware::{Device, STEP};
 use crate::geometry::Pose;
 use crate::robot::{Chassis, Command, Hardware, Telemetry};
 use crate::simulator::{Body, NoiseProfile, World};
-use crate::wire::{Heard, Host};
+use crate::wire::{FromRobot, Heard, Host};
 
 /// A simulated robot in a world.
 #[derive(Debug, Clone)]
@@ -48,8 +48,8 @@ impl SimulatedLink {
     /// What either end has written reaches the other.
     fn exchange(&mut self) {
         let down = self.host.take_output();
-        if !down.is_empty() && self.device.receive(&down, &self.body) {
-            self.body.begin_motion();
+        if !down.is_empty() {
+            self.device.receive(&down);
         }
         let up = self.device.take_output();
         if !up.is_empty() {
@@ -78,14 +78,17 @@ impl SimulatedLink {
         self.device.is_moving()
     }
 
-    /// The state before anything has moved.
+    /// The state before anything has moved, as the wire tells it.
     #[must_use]
     pub fn greeting(&self) -> Telemetry {
-        Telemetry::Report {
-            odometer: self.body.odometer(),
-            switches: self.body.switches(),
-            bumper: self.body.bumper(),
-        }
+        let (switches, bumper) = (self.body.switches(), self.body.bumper());
+        let odometer = self.body.odometer();
+        let report = FromRobot::Report { odometer, switches, bumper, event: 0, battery: None };
+        let odometer = match FromRobot::parse(&report.to_string()) {
+            Some(FromRobot::Report { odometer, .. }) => odometer,
+            _ => odometer,
+        };
+        Telemetry::Report { odometer, switches, bumper }
     }
 
     /// Lets one control step (20 ms) pass and appends what the robot says. The call itself is the

@@ -12,9 +12,10 @@ const WORST: f64 = 3.6e-4;
 /// Drifts that are tried lie this far apart, radians per second.
 const STEP: f64 = 9.0e-6;
 
-/// Seconds that the robot was not at rest until `point`.
-fn active(point: &PathPoint) -> f64 {
-    point.time_us.saturating_sub(point.rested_us) as f64 * 1e-6
+/// Seconds that the robot was not at rest from `begin` until `point`.
+fn active(begin: &PathPoint, point: &PathPoint) -> f64 {
+    let until = |point: &PathPoint| point.time_us.saturating_sub(point.rested_us);
+    until(point).saturating_sub(until(begin)) as f64 * 1e-6
 }
 
 /// The way of the robot with a steady drift of its gyro taken out, from its beginning on.
@@ -29,13 +30,13 @@ impl Unwound {
     /// `path` without `rate` radians per second.
     #[must_use]
     pub fn new(path: &[PathPoint], rate: f64) -> Self {
-        let begin = path.first().map_or(0.0, active);
+        let since = |point: &PathPoint| path.first().map_or(0.0, |begin| active(begin, point));
         let mut unwound: Vec<PathPoint> = Vec::with_capacity(path.len());
         for (k, point) in path.iter().enumerate() {
-            let turn = -rate * (active(point) - begin);
+            let turn = -rate * since(point);
             let position = match (k.checked_sub(1).map(|j| path[j]), unwound.last()) {
                 (Some(before), Some(last)) => {
-                    let middle = -rate * (f64::midpoint(active(&before), active(point)) - begin);
+                    let middle = -rate * f64::midpoint(since(&before), since(point));
                     last.pose.position + rotate(point.pose.position - before.pose.position, middle)
                 }
                 _ => point.pose.position,

@@ -22,6 +22,12 @@ const LEAST_REST: f64 = 2.0;
 /// Corrections nearer to each other than this along the way are one, metres.
 const LEAST_APART: f64 = 0.3;
 
+/// The turn between two readings of the gyro, which counts in microradians, without what is rounded when
+/// large numbers are taken from each other: it is the same wherever the gyro began.
+fn whole(turned: f64) -> f64 {
+    (turned * 1e6).round() / 1e6
+}
+
 /// The believed pose and the trajectory so far.
 #[derive(Debug, Clone)]
 pub struct Tracker {
@@ -32,14 +38,16 @@ pub struct Tracker {
     /// Heading, not wrapped, so that whole turns can be counted, radians.
     heading: f64,
     last: Option<Odometer>,
+    /// Robot time of the first reading, microseconds.
+    first_us: u64,
     travelled: f64,
     spun: Spun,
     /// The turn under way, radians.
     turn: f64,
     wheel_base: f64,
     bias: f64,
-    /// When the wheels turned last, microseconds.
-    rolled: u64,
+    /// When the wheels turned last, microseconds; none before they ever did.
+    rolled: Option<u64>,
     /// How long the heading was held in all, microseconds, and what the gyro told meanwhile beyond
     /// the believed drift, radians.
     rested_us: u64,
@@ -68,12 +76,13 @@ impl Tracker {
             pose: start,
             heading: start.heading,
             last: None,
+            first_us: 0,
             travelled: 0.0,
             spun: Spun::default(),
             turn: 0.0,
             wheel_base: chassis.wheel_base,
             bias: 0.0,
-            rolled: 0,
+            rolled: None,
             rested_us: 0,
             drift: (0.0, 0.0),
             path: Vec::new(),
@@ -88,10 +97,14 @@ impl Tracker {
             let distance = ticks as f64 * self.tick * self.stretch / 2.0;
             let passed = to.time_us.saturating_sub(last.time_us);
             let seconds = passed as f64 * 1e-6;
-            let mut turned = to.heading - last.heading - self.bias * seconds;
+            let mut turned = whole(to.heading - last.heading) - self.bias * seconds;
             if (to.left_ticks, to.right_ticks) != (last.left_ticks, last.right_ticks) {
-                self.rolled = to.time_us;
-            } else if last.time_us >= self.rolled + SETTLING {
+                // A moment before the first motion tells less than the operator's patience varies by.
+                if self.rolled.is_none() && self.drift.0 < LEAST_REST {
+                    self.drift = (0.0, 0.0);
+                }
+                self.rolled = Some(to.time_us);
+            } else if self.rolled.is_none_or(|rolled| last.time_us >= rolled + SETTLING) {
                 self.rested_us += passed;
                 self.drift = (self.drift.0 + seconds, self.drift.1 + turned);
                 turned = 0.0;
@@ -109,6 +122,9 @@ impl Tracker {
             self.pose.position += angle::unit(middle) * distance;
             self.pose.heading = angle::wrap(self.heading);
             self.travelled += distance.abs();
+        }
+        if self.last.is_none() {
+            self.first_us = to.time_us;
         }
         self.last = Some(*to);
         self.record(to.time_us, phase);
@@ -197,7 +213,7 @@ impl Tracker {
     /// Seconds, since its beginning, that the robot was not at rest.
     #[must_use]
     pub fn active(&self) -> f64 {
-        self.time_us().saturating_sub(self.rested_us) as f64 * 1e-6
+        self.time_us().saturating_sub(self.first_us + self.rested_us) as f64 * 1e-6
     }
 
     /// The wheels carry the robot `stretch` times as far as was believed: all that was driven, and all

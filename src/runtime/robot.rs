@@ -122,9 +122,7 @@ impl SimulatedRobot {
             }
             let now = watch.seconds();
             let down = self.ways.0.take(now);
-            if self.device.receive(&down, &self.body) {
-                self.body.begin_motion();
-            }
+            self.device.receive(&down);
             let said = self.device.take_output();
             self.ways.1.put(&said, now);
             let fresh = self.ways.1.take(now);

@@ -8,6 +8,20 @@ use crate::geometry::{Point, Pose, Vector, angle};
 use crate::robot::{Chassis, Edge, Hardware, Odometer, SwitchSet};
 use std::collections::VecDeque;
 
+/// What the gyro counts in, and the wheels turn the body by, radians.
+const GYRO: f64 = 1e-6;
+
+/// In counts of the gyro.
+fn whole(angle: f64) -> i64 {
+    nearest_count(angle / GYRO)
+}
+
+/// Halves, which a move that holds its heading by whole counts makes all the time, go up whatever the
+/// last bit says.
+fn nearest_count(counts: f64) -> i64 {
+    (counts + 1e-6).round() as i64
+}
+
 /// The body in its world, the truth included.
 #[derive(Debug, Clone)]
 pub struct Body {
@@ -20,7 +34,9 @@ pub struct Body {
     scale: [f64; 2],
     time_us: u64,
     wheels: [f64; 2],
-    gyro: f64,
+    /// What the gyro has told, whole microradians: what it tells of a motion does not hang on what it
+    /// told before.
+    gyro: i64,
     switches: SwitchSet,
     /// Distance from the centre at which each switch changes next.
     limits: Vec<f64>,
@@ -49,7 +65,7 @@ impl Body {
             rate: 0.0,
             time_us: 0,
             wheels: [0.0; 2],
-            gyro: world.start.heading,
+            gyro: whole(world.start.heading),
             switches: SwitchSet::EMPTY,
             limits,
             beams: chassis.sensors.iter().map(|mount| angle::unit(mount.angle)).collect(),
@@ -88,21 +104,16 @@ impl Body {
         self.bumps
     }
 
-    /// A new motion begins: its own per-move error is drawn.
-    pub fn begin_motion(&mut self) {
-        self.scale = self.noise.travel_scale();
-    }
-
     /// Lets `seconds` of virtual time pass at the speed that was set.
     pub fn step(&mut self, seconds: f64) {
         let micros = (seconds * 1e6).round() as u64;
         if self.speed == 0.0 && self.rate == 0.0 {
             self.time_us += micros;
-            self.gyro += self.noise.gyro_error(seconds);
+            self.gyro += whole(self.noise.gyro_error(seconds, false));
             return;
         }
         let before = (self.pose, self.wheels, self.gyro, self.time_us);
-        let turned = self.rate * seconds;
+        let turned = whole(self.rate * seconds) as f64 * GYRO;
         let mut next = Pose {
             position: self.pose.position
                 + angle::unit(self.pose.heading + turned / 2.0) * (self.speed * seconds),
@@ -116,7 +127,7 @@ impl Body {
         let slip = self.noise.slip(ahead.abs());
         self.wheels[0] += slip;
         self.wheels[1] += slip;
-        self.gyro += turned * self.noise.gyro_scale + self.noise.gyro_error(seconds);
+        self.gyro += whole(turned * self.noise.gyro_scale + self.noise.gyro_error(seconds, true));
         self.time_us += micros;
         self.pose = next;
         if pressed && !self.bumper {
@@ -176,7 +187,7 @@ impl Body {
         set
     }
 
-    fn find_edges(&mut self, before: &(Pose, [f64; 2], f64, u64)) {
+    fn find_edges(&mut self, before: &(Pose, [f64; 2], i64, u64)) {
         let now = self.sense(self.pose);
         if now == self.switches {
             return;
@@ -219,7 +230,7 @@ impl Body {
                 time_us: before.3 + ((self.time_us - before.3) as f64 * share) as u64,
                 left_ticks: self.ticks(between(before.1[0], self.wheels[0])),
                 right_ticks: self.ticks(between(before.1[1], self.wheels[1])),
-                heading: between(before.2, self.gyro),
+                heading: nearest_count(between(before.2 as f64, self.gyro as f64)) as f64 * GYRO,
             };
             self.edges.push_back((Edge { sensor: index, rising, odometer }, at(share)));
         }
@@ -232,6 +243,12 @@ impl Body {
 
 impl Hardware for Body {
     fn drive(&mut self, speed: f64, rate: f64) {
+        let stands = |speed: f64, rate: f64| speed == 0.0 && rate == 0.0;
+        if stands(self.speed, self.rate) && !stands(speed, rate) {
+            // A motion begins, with errors of its own.
+            self.noise.begin_motion();
+            self.scale = self.noise.travel_scale();
+        }
         self.speed = speed;
         self.rate = rate;
     }
@@ -241,7 +258,7 @@ impl Hardware for Body {
             time_us: self.time_us,
             left_ticks: self.ticks(self.wheels[0]),
             right_ticks: self.ticks(self.wheels[1]),
-            heading: self.gyro,
+            heading: self.gyro as f64 * GYRO,
         }
     }
 

@@ -1,5 +1,10 @@
 //! How the simulated robot errs. Every source has its own seeded stream, so that the same seed gives
 //! the same run on any machine.
+//!
+//! The streams begin anew with every motion, and rests have one of their own: what a motion meets
+//! hangs on its number, not on how long the host took to ask for it. Two runs of the same seed over
+//! lines of different delay then err alike (common random numbers, as simulation calls it), and what
+//! their maps differ by is the doing of the line.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -73,10 +78,27 @@ pub struct Noise {
     miss: f64,
     per_move: f64,
     slip_per_metre: f64,
+    /// Motions begun so far.
+    motions: u64,
     gyro: ChaCha8Rng,
+    rest: ChaCha8Rng,
     switches: ChaCha8Rng,
     wheels: ChaCha8Rng,
 }
+
+/// Sources of chance, each a stream of its own.
+#[derive(Debug, Clone, Copy)]
+enum Source {
+    /// What holds for the whole run.
+    Fixed = 1,
+    Gyro,
+    Switches,
+    Wheels,
+    Rest,
+}
+
+/// Streams of one motion.
+const STREAMS: u64 = 8;
 
 impl Noise {
     /// Draws the errors of a run for a robot with `switches` switches.
@@ -121,12 +143,12 @@ impl Noise {
                 miss: 0.01,
             },
         };
-        let stream = |number: u64| {
+        let stream = |source: Source| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(number);
+            rng.set_stream(source as u64);
             rng
         };
-        let mut fixed = stream(1);
+        let mut fixed = stream(Source::Fixed);
         let mut within = |size: f64| (fixed.random::<f64>() * 2.0 - 1.0) * size;
         let wheel_scale = [1.0 + within(sizes.wheel), 1.0 + within(sizes.wheel)];
         let gyro_scale = 1.0 + within(sizes.gyro_scale);
@@ -143,18 +165,37 @@ impl Noise {
             miss: sizes.miss,
             per_move: if noisy { 0.005 } else { 0.0 },
             slip_per_metre: if noisy { 0.01 } else { 0.0 },
-            gyro: stream(2),
-            switches: stream(3),
-            wheels: stream(4),
+            motions: 0,
+            gyro: stream(Source::Gyro),
+            rest: stream(Source::Rest),
+            switches: stream(Source::Switches),
+            wheels: stream(Source::Wheels),
         }
     }
 
-    /// What the gyro reads beyond the turn itself after `seconds`, radians.
-    pub fn gyro_error(&mut self, seconds: f64) -> f64 {
+    /// The next motion begins, with streams of its own.
+    pub fn begin_motion(&mut self) {
+        self.motions += 1;
+        let first = self.motions * STREAMS;
+        for (rng, source) in [
+            (&mut self.gyro, Source::Gyro),
+            (&mut self.rest, Source::Rest),
+            (&mut self.switches, Source::Switches),
+            (&mut self.wheels, Source::Wheels),
+        ] {
+            rng.set_stream(first + source as u64);
+            rng.set_word_pos(0);
+        }
+    }
+
+    /// What the gyro reads beyond the turn itself after `seconds` in which the body moves or stands,
+    /// radians.
+    pub fn gyro_error(&mut self, seconds: f64, moves: bool) -> f64 {
         if self.gyro_walk == 0.0 {
             return 0.0;
         }
-        self.gyro_bias * seconds + normal(&mut self.gyro) * self.gyro_walk * seconds.sqrt()
+        let rng = if moves { &mut self.gyro } else { &mut self.rest };
+        self.gyro_bias * seconds + normal(rng) * self.gyro_walk * seconds.sqrt()
     }
 
     /// Believed over real travel for the next motion of both wheels: wheel scale, per-move error

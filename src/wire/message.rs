@@ -1,14 +1,16 @@
 //! What the lines say: messages to and from the robot, as text and back. Numbers leave in the units of
-//! the protocol page and are what a robot would make of them; [`quantised`] is the same rounding for
-//! a robot that needs no line.
+//! the protocol page and are what a robot would make of them; [`quantised`] and
+//! [`told`] are the same rounding for a robot that needs no line.
 
 mod fields;
+mod rounding;
 
 use crate::robot::{
     Chassis, Command, CommandId, DoneReason, Edge, Guard, Motion, Odometer, SensorMount, SwitchSet,
     Telemetry,
 };
 use fields::Fields;
+pub use rounding::{quantised, told};
 use std::fmt::Write as _;
 
 /// The version of the protocol that this program speaks.
@@ -116,22 +118,6 @@ pub enum FromRobot {
 
 fn scaled(value: f64, unit: f64) -> i64 {
     (value * unit).round() as i64
-}
-
-/// `command` as the robot will understand it.
-#[must_use]
-pub fn quantised(command: Command) -> Command {
-    let to = |value: f64, unit: f64| scaled(value, unit) as f64 / unit;
-    let motion = match command.motion {
-        Motion::Move { distance, speed } => {
-            Motion::Move { distance: to(distance, LENGTH), speed: to(speed, MILLI) }
-        }
-        Motion::Turn { angle, rate } => {
-            Motion::Turn { angle: to(angle, MICRO), rate: to(rate, MILLI) }
-        }
-        Motion::Rest => Motion::Rest,
-    };
-    Command { motion, time_limit: to(command.time_limit, MILLI), ..command }
 }
 
 impl std::fmt::Display for ToRobot {

@@ -24,7 +24,7 @@ impl Bench {
     fn say(&mut self, message: &ToRobot) -> Vec<String> {
         let mut line = Vec::new();
         seal(&message.to_string(), &mut line);
-        self.device.receive(&line, &self.body);
+        self.device.receive(&line);
         self.answers()
     }
 
@@ -102,7 +102,7 @@ fn the_stop_byte_needs_no_line() {
     bench.say(&HELLO);
     bench.say(&ahead(1, 2.0));
     bench.live(0.2);
-    bench.device.receive(&[b'P', b' ', crate::wire::STOP], &bench.body);
+    bench.device.receive(&[b'P', b' ', crate::wire::STOP]);
     let said = bench.live(0.24);
     assert!(said.iter().any(|line| line.starts_with("d 1 1 stop")), "{said:?}");
 }
@@ -118,6 +118,6 @@ fn what_cannot_be_done_is_refused() {
     assert_eq!(bench.say(&ahead(2, 1.0)), ["n 2 another motion is in hand"]);
     let mut line = Vec::new();
     seal("M 3 what", &mut line);
-    bench.device.receive(&line, &bench.body);
+    bench.device.receive(&line);
     assert_eq!(bench.answers(), ["n 3 not understood"]);
 }

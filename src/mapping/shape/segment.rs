@@ -26,6 +26,10 @@ const MOST_MISTAKEN: usize = 2;
 const MISTAKEN_BY: f64 = 0.08;
 /// ... and the wall has at least so many to either side.
 const LEAST_BESIDE: usize = 3;
+/// The same for contacts in a corner, in standard deviations of a contact: how far chance puts one off its
+/// wall, and how far apart two may be that are no wall of their own.
+const BY_CHANCE: f64 = 5.0;
+const NO_WALL: f64 = 10.0;
 /// Smallest radius of an arc with the floor inside it, metres: the body could not have been there
 /// otherwise.
 const HOLLOW_RADIUS: f64 = 0.25;
@@ -75,7 +79,7 @@ pub(super) fn runs(samples: &mut [Sample], sigma: f64) -> Vec<Run> {
         found = cheapest(samples, sigma);
     }
     merge(samples, &mut found, sigma);
-    while pass_over(samples, &mut found, sigma) {
+    while pass_over(samples, &mut found, sigma) || pass_over_at_corner(samples, &mut found, sigma) {
         merge(samples, &mut found, sigma);
     }
     merge_over_seam(samples, &mut found, sigma);
@@ -238,6 +242,41 @@ fn pass_over(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
         runs.drain(k + 1..k + 3);
     }
     over.is_some()
+}
+
+/// Drops a contact or two between the two walls of a corner that lie too near to one of them, and to each
+/// other, to be a wall of their own: chance put them off by more than it mostly does. False when there
+/// are no more such.
+fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
+    let count = runs.len();
+    if count < 4 {
+        return false;
+    }
+    let found = (0..count).find(|&k| {
+        let (a, odd, b) = (&runs[(k + count - 1) % count], &runs[k], &runs[(k + 1) % count]);
+        let (Model::Line { direction: u, .. }, Model::Line { direction: v, .. }) =
+            (a.model, b.model)
+        else {
+            return false;
+        };
+        let long = |run: &Run| run.last - run.first + 1 >= LEAST_BESIDE;
+        let few = odd.last - odd.first < MOST_MISTAKEN;
+        // The end of a thin wall has no more contacts than that, and is no mistake.
+        let thin = u.dot(&v) < -0.8;
+        let length = (samples[odd.last].point - samples[odd.first].point).norm();
+        let near = |sample: &Sample| {
+            a.distance(sample.point).min(b.distance(sample.point)) < BY_CHANCE * sigma
+        };
+        few && !thin
+            && long(a)
+            && long(b)
+            && length < NO_WALL * sigma
+            && samples[odd.first..=odd.last].iter().all(near)
+    });
+    if let Some(k) = found {
+        runs.remove(k);
+    }
+    found.is_some()
 }
 
 fn merge_over_seam(samples: &mut [Sample], runs: &mut Vec<Run>, sigma: f64) {

@@ -4,6 +4,7 @@
 mod adversity;
 mod carried;
 mod liar;
+mod same;
 
 use super::*;
 use crate::firmware::{Device, STEP};
@@ -74,10 +75,10 @@ fn rig_in(
     seed: u64,
     (at_once, until): (bool, Option<Phase>),
 ) -> Rig {
-    let chassis = crate::robot::Chassis::default();
+    let chassis = crate::wire::told(&crate::robot::Chassis::default());
     let memory = Memory::default();
-    let plan =
-        Plan { settings: Settings::new(world.start), port: "test".to_owned(), until, at_once };
+    let settings = Settings { seed, ..Settings::new(world.start) };
+    let plan = Plan { settings, port: "test".to_owned(), until, at_once };
     Rig {
         run: LiveRun::new(plan, Host::new(115_200, 7, 0.0), Some(memory.clone())),
         memory,
@@ -120,9 +121,7 @@ impl Rig {
             broken: self.broken,
             chattered: &mut self.chattered,
         };
-        if self.device.receive(&down, &liar) {
-            liar.body.begin_motion();
-        }
+        self.device.receive(&down);
         let even = ((self.now / STEP * 2.0).round() as u64).is_multiple_of(2);
         if even {
             self.device.step(&mut liar, |_, _| {});

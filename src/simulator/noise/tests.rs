@@ -82,9 +82,30 @@ fn gyro_scale_is_off_by_half_a_percent_at_most() {
 fn a_second_at_rest_walks_the_gyro_by_a_twentieth_of_a_degree() {
     let mut noise = Noise::new(NoiseProfile::Calibrated, 3, 8);
     let walks: Vec<f64> =
-        (0..1000).map(|_| (0..50).map(|_| noise.gyro_error(0.02)).sum::<f64>()).collect();
+        (0..1000).map(|_| (0..50).map(|_| noise.gyro_error(0.02, false)).sum::<f64>()).collect();
     let walk = deviation(&walks).to_degrees();
     assert!((walk - 0.05).abs() < 0.005, "{walk} degrees after a second");
+}
+
+#[test]
+fn what_a_motion_errs_by_hangs_on_its_number_and_not_on_the_wait_before_it() {
+    let (mut prompt, mut late) =
+        (Noise::new(NoiseProfile::Harsh, 7, 8), Noise::new(NoiseProfile::Harsh, 7, 8));
+    let mut seen = Vec::new();
+    for k in 0..50 {
+        for _ in 0..k {
+            late.gyro_error(0.02, false);
+        }
+        let errors = [&mut prompt, &mut late].map(|noise| {
+            noise.begin_motion();
+            let turned: f64 = (0..9).map(|_| noise.gyro_error(0.02, true)).sum();
+            (noise.travel_scale(), noise.slip(0.1), noise.range(3, 0.06), noise.misses(), turned)
+        });
+        assert_eq!(errors[0], errors[1], "motion {k}");
+        seen.push(errors[0]);
+    }
+    seen.dedup();
+    assert_eq!(seen.len(), 50, "each motion errs by itself");
 }
 
 #[test]
@@ -121,7 +142,7 @@ fn slips_are_rare_and_small() {
 fn no_noise_is_none_at_all() {
     let mut noise = Noise::new(NoiseProfile::None, 1, 8);
     assert_eq!(noise.travel_scale(), [1.0, 1.0]);
-    assert_eq!(noise.gyro_error(10.0), 0.0);
+    assert_eq!(noise.gyro_error(10.0, true), 0.0);
     assert_eq!(noise.range(0, 0.06), 0.06);
     assert_eq!(noise.slip(10.0), 0.0);
     assert!(!noise.misses());

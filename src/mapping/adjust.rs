@@ -48,8 +48,6 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     laid
 }
 
-/// What the wheels add on a lap of many short moves, metres per root metre.
-const WHEEL_SD: f64 = 0.003;
 /// Knots of a lap at most.
 const MOST_KNOTS: f64 = 90.0;
 /// No knots are nearer to each other along the path, metres.
@@ -101,7 +99,7 @@ impl Traverse {
                     seconds,
                     spun: (before.spun, point.spun),
                 };
-                survey.predict(&step, WHEEL_SD);
+                survey.predict(&step);
                 since_knot += (point.pose.position - before.pose.position).norm();
             }
             let begins = |lap: &Closure| point.time_us >= lap.from.time_us;

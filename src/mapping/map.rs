@@ -273,7 +273,7 @@ impl MappedObject {
     }
 }
 
-/// How far the robot turned since the beginning, by gyro and by wheels.
+/// How far the robot turned since the beginning, by gyro and by wheels, and in what strides it drove.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Spun {
     /// By the gyro, believed drift taken out, radians, whole turns counted.
@@ -284,6 +284,8 @@ pub struct Spun {
     pub wound: f64,
     /// The same, each turn to one side squared by itself, square radians.
     pub squares: f64,
+    /// Straight drives, each squared by itself, square metres.
+    pub strides: f64,
 }
 
 /// One place of the trajectory.

@@ -44,6 +44,8 @@ pub struct Tracker {
     spun: Spun,
     /// The turn under way, radians.
     turn: f64,
+    /// The straight drive under way, metres, backwards negative.
+    stride: f64,
     wheel_base: f64,
     bias: f64,
     /// When the wheels turned last, microseconds; none before they ever did.
@@ -80,6 +82,7 @@ impl Tracker {
             travelled: 0.0,
             spun: Spun::default(),
             turn: 0.0,
+            stride: 0.0,
             wheel_base: chassis.wheel_base,
             bias: 0.0,
             rolled: None,
@@ -117,6 +120,10 @@ impl Tracker {
             let turn = if turned * self.turn < 0.0 { turned } else { self.turn + turned };
             self.spun.squares += turned * (2.0 * turn - turned);
             self.turn = turn;
+            // A drive lasts until the robot stands, turns on the spot, or goes the other way.
+            let on = distance * self.stride > 0.0;
+            self.stride = if on { self.stride + distance } else { distance };
+            self.spun.strides += distance * (2.0 * self.stride - distance);
             let middle = self.heading + turned / 2.0;
             self.heading += turned;
             self.pose.position += angle::unit(middle) * distance;

@@ -136,7 +136,7 @@ mod tests {
                 heading: pose.heading + bend,
             };
             let step = Step { from: pose, to, seconds: 0.2, spun: (spun, next) };
-            survey.predict(&step, 0.003);
+            survey.predict(&step);
             (pose, spun) = (to, next);
         }
         (survey, contacts)

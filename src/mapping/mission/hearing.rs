@@ -8,9 +8,6 @@ use crate::mapping::survey::Step;
 use crate::mapping::trust::{Defect, Doubted, Going};
 use crate::robot::{DoneReason, Odometer, SwitchSet, Telemetry};
 
-/// What the wheels add on the tour, metres per root metre.
-const WHEEL_SD: f64 = 0.004;
-
 impl Mission {
     /// Takes one message of the robot.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Output>) {
@@ -112,7 +109,7 @@ impl Mission {
                 seconds: passed as f64 * 1e-6,
                 spun: (spun, self.tracker.spun()),
             };
-            self.survey.predict(&step, WHEEL_SD);
+            self.survey.predict(&step);
         }
         // Who is not listened to proves nothing by being open either.
         let closed = self.closed.union(self.trust.out());

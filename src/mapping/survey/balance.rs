@@ -22,8 +22,13 @@ pub struct Step {
 }
 
 impl Step {
-    fn length(&self) -> f64 {
+    pub(super) fn length(&self) -> f64 {
         (self.to.position - self.from.position).norm()
+    }
+
+    /// The straight drives in it, squared one by one, square metres.
+    pub(super) fn strides(&self) -> f64 {
+        self.spun.1.strides - self.spun.0.strides
     }
 
     /// Metres driven forwards.
@@ -187,8 +192,10 @@ mod tests {
     use super::*;
 
     fn step(metres: f64, gyro: f64, wheels: f64) -> Step {
-        let spun =
-            (Spun::default(), Spun { gyro, wheels, wound: gyro.abs(), squares: gyro * gyro });
+        let spun = (
+            Spun::default(),
+            Spun { gyro, wheels, wound: gyro.abs(), squares: gyro * gyro, strides: 0.0 },
+        );
         let to = Pose::new(metres, 0.0, gyro);
         Step { from: Pose::new(0.0, 0.0, 0.0), to, seconds: 0.1, spun }
     }

@@ -8,17 +8,24 @@ use nalgebra::{Matrix3, Vector3};
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
 const HEADING_WALK: f64 = 1.0e-3;
 
+/// What a straight drive is off by, as a share of it, each by itself: how the floor takes the wheels.
+const STRIDE: f64 = 0.005;
+/// What the wheels lose on the way besides, by slips, metres per root metre.
+const ALONG: f64 = 0.0015;
+/// What the robot is put off to the side by more than its heading explains, likewise.
+const ASIDE: f64 = 0.0007;
+
 /// A row of the filter that gains by other rows in each step, by how much of each.
 type Gains = [(usize, f64); 4];
 
 impl Survey {
-    /// The robot made `step`; the wheels' own error adds `wheel_sd` metres per root metre.
-    pub fn predict(&mut self, step: &Step, wheel_sd: f64) {
+    /// The robot made `step`.
+    pub fn predict(&mut self, step: &Step) {
         // Before and after a turn: in it the gyro is the better judge, about it the wheels are.
         if let Some(load) = self.balance.before(step) {
             self.weigh(&load);
         }
-        self.drift(step, wheel_sd);
+        self.drift(step);
         if let Some(load) = self.balance.take(step) {
             self.weigh(&load);
         }
@@ -47,7 +54,7 @@ impl Survey {
     }
 
     /// Spreads the errors over a step.
-    fn drift(&mut self, step: &Step, wheel_sd: f64) {
+    fn drift(&mut self, step: &Step) {
         let moved = step.to.position - step.from.position;
         let (seconds, turned) = (step.seconds, step.turned());
         let mut onward = Matrix3::identity();
@@ -96,10 +103,15 @@ impl Survey {
             self.mean[row] = pose[row];
         }
         self.mean[AGAINST] += self.expected(&against);
-        let along = wheel_sd * wheel_sd * moved.norm();
+        let length = step.length();
+        let along = STRIDE * STRIDE * step.strides() + ALONG * ALONG * length;
+        let along = if length > 0.0 { along / (length * length) } else { 0.0 };
+        let aside = ASIDE * ASIDE * length;
         let walk = HEADING_WALK * HEADING_WALK * self.grip.walk() * seconds;
-        self.covariance[(0, 0)] += along;
-        self.covariance[(1, 1)] += along;
+        self.covariance[(0, 0)] += along * moved.x * moved.x + aside;
+        self.covariance[(1, 1)] += along * moved.y * moved.y + aside;
+        self.covariance[(0, 1)] += along * moved.x * moved.y;
+        self.covariance[(1, 0)] += along * moved.x * moved.y;
         for (row, column) in [(2, 2), (2, AGAINST), (AGAINST, 2), (AGAINST, AGAINST)] {
             self.covariance[(row, column)] += walk;
         }

@@ -5,11 +5,13 @@
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 use periplus::firmware::Device;
-use periplus::robot::{Chassis, Hardware};
+use periplus::journal::Entry;
+use periplus::robot::{Chassis, DoneReason, Hardware, Telemetry};
 use periplus::runtime::Stopwatch;
 use periplus::simulator::{Body, NoiseProfile, World};
 use std::fs::File;
 use std::io::{Read, Write};
+use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -50,6 +52,7 @@ fn console_over(port: &str, out: &PathBuf, terminal: &str) -> Child {
         .args(["console", "--start", "1,1,20", "--port", port, "--out"])
         .arg(out)
         .env("TERM", "xterm-256color")
+        .process_group(0)
         .stdin(open())
         .stdout(open())
         .stderr(Stdio::null())
@@ -64,6 +67,8 @@ enum End {
     Signal(&'static str),
     /// The console's operator says quit, and yes.
     Quit,
+    /// The console is put to sleep with Ctrl-Z, woken again once the robot stands, and then left.
+    Suspended,
     /// The console's terminal is gone: nothing can be read from it or written to it any more, and no
     /// signal tells.
     TerminalGone,
@@ -110,6 +115,7 @@ fn ended_by(end: End) -> Seen {
         let mut screen = [0_u8; 4096];
         let mut begun: Option<(f64, periplus::geometry::Point)> = None;
         let mut still: Option<f64> = None;
+        let mut asleep = end == End::Suspended;
         let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, status: None, ended: f64::NAN };
         for _ in 0..1500 {
             tokio::select! {
@@ -147,6 +153,10 @@ fn ended_by(end: End) -> Seen {
                         let keys = terminal.as_mut().expect("a terminal");
                         keys.write_all(b"qy").expect("the terminal takes it");
                     }
+                    End::Suspended => {
+                        let keys = terminal.as_mut().expect("a terminal");
+                        keys.write_all(b"\x1a").expect("the terminal takes it");
+                    }
                     End::TerminalGone => terminal = None,
                 }
                 begun = Some((watch.seconds(), body.true_pose().position));
@@ -159,11 +169,22 @@ fn ended_by(end: End) -> Seen {
                 seen.ended = watch.seconds() - from;
                 seen.went = (body.true_pose().position - at).norm();
             }
+            if let (Some((from, at)), Some(still), true) = (begun, still, asleep)
+                && watch.seconds() - still > 0.6
+            {
+                (seen.stopped, seen.went) = (still - from, (body.true_pose().position - at).norm());
+                asleep = false;
+                kill(&child, "-CONT");
+                let keys = terminal.as_mut().expect("a terminal");
+                keys.write_all(b"q").expect("the terminal takes it");
+            }
             if let (Some((from, at)), Some(still)) = (begun, still)
                 && watch.seconds() - still > 0.6
                 && !seen.ended.is_nan()
             {
-                seen.stopped = still - from;
+                if seen.stopped.is_nan() {
+                    seen.stopped = still - from;
+                }
                 seen.went = (body.true_pose().position - at).norm();
                 break;
             }
@@ -216,6 +237,7 @@ fn name_of(end: End) -> String {
     match end {
         End::Signal(signal) => format!("line-{signal}"),
         End::Quit => "line-quit".to_owned(),
+        End::Suspended => "line-suspended".to_owned(),
         End::TerminalGone => "line-gone".to_owned(),
     }
 }
@@ -234,6 +256,22 @@ fn a_console_that_is_left_or_loses_its_terminal_stops_the_robot() {
         let record = periplus::journal::read(&place_of(end)).expect("a record");
         assert!(!record.records.is_empty(), "{end:?}: nothing was kept");
     }
+}
+
+/// Nobody looks at a console that sleeps: the robot stands before it does, and stays where it is.
+#[test]
+fn a_console_that_is_put_to_sleep_stops_the_robot_and_can_be_woken() {
+    let seen = ended_by(End::Suspended);
+    assert!(seen.stopped < 0.6, "still driving after {} s", seen.stopped);
+    assert!(seen.went < 0.09, "{} m", seen.went);
+    assert_eq!(seen.status, Some(1), "left short of its goal");
+    // Not by the watchdog: it was told to, and the record says so.
+    let record = periplus::journal::read(&place_of(End::Suspended)).expect("a record");
+    let stopped = record.records.iter().any(|record| {
+        let reason = DoneReason::Stopped;
+        matches!(&record.entry, Entry::Telemetry(Telemetry::Done { reason: r, .. }) if *r == reason)
+    });
+    assert!(stopped, "the robot was not told to stop");
 }
 
 #[test]

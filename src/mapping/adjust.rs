@@ -53,6 +53,12 @@ const MOST_KNOTS: f64 = 90.0;
 /// No knots are nearer to each other along the path, metres.
 const LEAST_SPACING: f64 = 0.25;
 
+/// What of `path` was driven since `since_us` (robot time).
+fn since(path: &[PathPoint], since_us: u64) -> &[PathPoint] {
+    let begin = path.partition_point(|point| point.time_us < since_us).saturating_sub(1);
+    &path[begin.min(path.len())..]
+}
+
 /// The lap as an open traverse: its errors as they are to be expected before it is closed.
 #[derive(Debug, Clone)]
 pub struct Traverse {
@@ -62,30 +68,38 @@ pub struct Traverse {
 }
 
 impl Traverse {
-    /// The lap `closure` of what `tracker` drove; errors count from `since_us` (robot time) on.
+    /// The lap `closure` of a `path` driven on wheels of which one tick turns the robot by `resolution`
+    /// radians: its ends alone.
     #[must_use]
-    pub fn new(tracker: &Tracker, closure: &Closure, since_us: u64) -> Self {
-        Self::along(tracker.path(), tracker.resolution(), &[*closure], since_us)
+    pub fn between(path: &[PathPoint], resolution: f64, closure: &Closure) -> Self {
+        let path = since(path, closure.from.time_us);
+        Self::over(Survey::new(resolution), path, &[*closure], f64::INFINITY).again(
+            path,
+            &[*closure],
+            f64::INFINITY,
+        )
     }
 
-    /// The same of a `path` driven on wheels of which one tick turns the robot by `resolution`
-    /// radians, with several laps on it.
-    #[must_use]
-    pub fn along(path: &[PathPoint], resolution: f64, laps: &[Closure], since_us: u64) -> Self {
-        let blank = Survey::new(resolution);
-        let once = Self::over(blank.clone(), path, laps, since_us);
-        // Now that it is known how the wheels hold the floor, the first metres are weighed again.
-        Self::over(blank.on_the_floor_of(&once.survey), path, laps, since_us)
-    }
-
-    fn over(mut survey: Survey, path: &[PathPoint], laps: &[Closure], since_us: u64) -> Self {
-        // Whatever drift a lap has shown was taken out of all that was driven.
-        survey.unwound(laps.last().map_or(0.0, |lap| lap.drift));
-        let begin = path.partition_point(|point| point.time_us < since_us).saturating_sub(1);
-        let path = &path[begin.min(path.len())..];
+    /// All of `path` since `since_us` (robot time), from when on errors count, with `laps` on it and with
+    /// knots along the way.
+    fn along(path: &[PathPoint], resolution: f64, laps: &[Closure], since_us: u64) -> Self {
+        let path = since(path, since_us);
         let length: f64 =
             path.windows(2).map(|w| (w[1].pose.position - w[0].pose.position).norm()).sum();
         let spacing = (length / MOST_KNOTS).max(LEAST_SPACING);
+        Self::over(Survey::new(resolution), path, laps, f64::INFINITY).again(path, laps, spacing)
+    }
+
+    /// The same once more: now that it is known how the wheels hold the floor, the first metres are
+    /// weighed again.
+    fn again(&self, path: &[PathPoint], laps: &[Closure], spacing: f64) -> Self {
+        Self::over(self.survey.blank_on_this_floor(), path, laps, spacing)
+    }
+
+    /// `path` with knots at the ends of `laps`, and every `spacing` metres.
+    fn over(mut survey: Survey, path: &[PathPoint], laps: &[Closure], spacing: f64) -> Self {
+        // Whatever drift a lap has shown was taken out of all that was driven.
+        survey.unwound(laps.last().map_or(0.0, |lap| lap.drift));
         let mut since_knot = f64::INFINITY;
         let mut ends: Vec<(Option<Tie>, Option<Tie>)> = vec![(None, None); laps.len()];
         for (k, point) in path.iter().enumerate() {
@@ -160,7 +174,7 @@ impl Adjustment {
         let measured: Vec<(Closure, Overlap)> = earlier
             .iter()
             .map(|(lap, wall)| {
-                let traverse = Traverse::new(tracker, lap, lap.from.time_us);
+                let traverse = Traverse::between(tracker.path(), tracker.resolution(), lap);
                 (*lap, measure(lap, wall.log(), &traverse))
             })
             .collect();

@@ -368,7 +368,7 @@ impl Circuit {
         let side = self.follower.side();
         let pocket = self.pocket;
         let closure = Closure { from, to, side, drift: rate, last_round, pocket };
-        let traverse = Traverse::along(path, tracker.resolution(), &[closure], from.time_us);
+        let traverse = Traverse::between(path, tracker.resolution(), &closure);
         let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)
     }

@@ -68,11 +68,9 @@ impl Floor {
         let grid = Grid::over(low, high, cell, 2.0 * cell);
         let wall = signed(&grid, &wall_chords, 1.0);
         let mut free = wall.clone();
-        let mut object_chords = Vec::new();
-        for object in objects {
-            reach::stand_on(&grid, &chords(object, COARSE), &mut free);
-            object_chords.extend(chords(object, SAGITTA));
-        }
+        let coarse: Vec<_> = objects.iter().map(|object| chords(object, COARSE)).collect();
+        reach::stand_on(&grid, &coarse, &mut free);
+        let object_chords = objects.iter().flat_map(|object| chords(object, SAGITTA)).collect();
         let mut floor = Self {
             grid,
             radius: chassis.radius,
@@ -93,7 +91,8 @@ impl Floor {
     /// inside objects.
     #[must_use]
     pub fn clearance(&self, p: Point) -> f64 {
-        self.wall_clearance(p).min(self.object_clearance(p))
+        let wall = self.wall_clearance(p);
+        wall.min(self.object_clearance_within(p, wall.abs()))
     }
 
     /// Distance from `p` to the boundary alone, metres; negative outside.
@@ -126,6 +125,26 @@ impl Floor {
         }
         let distance = self.objects.distance(p, f64::INFINITY);
         if odd_crossings(self.objects.segments(), p) { -distance } else { distance }
+    }
+
+    /// The same as far as it is less than `most`, if `p` is within the boundary; else `most` or more.
+    fn object_clearance_within(&self, p: Point, most: f64) -> f64 {
+        if self.objects.segments().is_empty() {
+            return most;
+        }
+        // Nothing is nearer than the raster says, and well off every outline its sign can be trusted.
+        let (cell, off) = self.nearest_cell(p);
+        let known = f64::from(self.free[cell]);
+        if known - off - 1e-5 > most {
+            return most;
+        }
+        let distance = self.objects.distance_within(p, most);
+        let outside = known > self.grid.cell + COARSE;
+        if outside || !odd_crossings(self.objects.segments(), p) {
+            distance
+        } else {
+            -self.objects.distance(p, f64::INFINITY)
+        }
     }
 
     /// Clearance read off the raster: a few cells' neighbours blended, good to a millimetre or

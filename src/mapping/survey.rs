@@ -22,7 +22,7 @@ pub use sight::{Look, Surface};
 
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, SMatrix, Vector3};
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
@@ -50,6 +50,9 @@ const TRACK: usize = 6;
 const AGAINST: usize = 7;
 const FIRST_KNOT: usize = 8;
 
+/// A matrix of the rows before the knots'.
+type Head = SMatrix<f64, FIRST_KNOT, FIRST_KNOT>;
+
 /// A place of the survey whose error is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Knot {
@@ -73,6 +76,10 @@ pub struct Survey {
     /// Corrections to the nominal survey: of the pose only what was not yet handed out.
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
+    /// What the steps since then make of the rows before the knots', where those meet a knot's; see
+    /// [`Survey::settle`].
+    onward: Head,
+    lags: bool,
     balance: Balance,
     grip: Grip,
     /// Turn of the wheels for one tick of one of them, radians.
@@ -93,16 +100,19 @@ impl Survey {
             knots: Vec::new(),
             mean: DVector::zeros(FIRST_KNOT),
             covariance,
+            onward: Head::identity(),
+            lags: false,
             balance: Balance::default(),
             grip: Grip::default(),
             resolution,
         }
     }
 
-    /// The same, on a floor of which `known` has learnt how the wheels hold it.
+    /// Nothing surveyed yet by the same robot, on a floor of which this one has learnt how the wheels hold
+    /// it.
     #[must_use]
-    pub fn on_the_floor_of(self, known: &Self) -> Self {
-        Self { grip: known.grip, ..self }
+    pub fn blank_on_this_floor(&self) -> Self {
+        Self { grip: self.grip, ..Self::new(self.resolution) }
     }
 
     /// The way was put right by a drift of `rate` (radians per second) that is only a guess: as likely
@@ -113,6 +123,7 @@ impl Survey {
 
     /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
     pub fn mark(&mut self, at: Point, time_us: u64) -> Tie {
+        self.settle();
         let size = self.mean.len();
         let mut covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
         for k in 0..3 {
@@ -255,7 +266,7 @@ impl Survey {
         let c = |i: usize, j: usize| {
             let terms =
                 rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
-            terms.map(|(k, l, weight)| self.covariance[(k, l)] * weight).sum::<f64>()
+            terms.map(|(k, l, weight)| self.entry(k, l) * weight).sum::<f64>()
         };
         worse(c(0, 0), c(0, 1), c(1, 1))
     }
@@ -293,6 +304,7 @@ impl Survey {
     /// The robot was lost and is found at `at`, beside what hangs on `tie`: its pose errs with that,
     /// and by `sd` more (metres, radians), whatever it was off by before.
     pub fn found(&mut self, at: Point, tie: &Tie, sd: (f64, f64)) {
+        self.settle();
         let size = self.mean.len();
         let mut rows: [Vec<(usize, f64)>; 3] = [Vec::new(), Vec::new(), Vec::new()];
         for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
@@ -326,6 +338,17 @@ impl Survey {
         }
     }
 
+    /// What the errors of two rows have in common.
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        match (row < FIRST_KNOT, column < FIRST_KNOT) {
+            (true, false) => {
+                (0..FIRST_KNOT).map(|k| self.onward[(row, k)] * self.covariance[(k, column)]).sum()
+            }
+            (false, true) => self.entry(column, row),
+            _ => self.covariance[(row, column)],
+        }
+    }
+
     /// What the corrections so far make of a row.
     fn expected(&self, row: &[(usize, f64)]) -> f64 {
         row.iter().map(|(i, w)| self.mean[*i] * w).sum()
@@ -339,6 +362,7 @@ impl Survey {
     }
 
     fn update(&mut self, row: &[(usize, f64)], innovation: f64, variance: f64) {
+        debug_assert!(!self.lags, "settled first");
         let size = self.mean.len();
         let mut cross = DVector::zeros(size);
         for &(index, weight) in row {

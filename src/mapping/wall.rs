@@ -12,7 +12,7 @@ pub use stretch::Stretch;
 
 use super::drift::Unwound;
 use super::map::{Contact, ContactKind};
-use crate::geometry::{Point, Pose, angle, cross};
+use crate::geometry::{Point, Pose, Vector, angle, cross};
 use crate::robot::{Chassis, Edge, SwitchSet};
 
 /// A contact with what is needed to judge it later.
@@ -84,6 +84,8 @@ pub struct Wall {
     radius: f64,
     hysteresis: f64,
     beams: Vec<f64>,
+    /// The same as directions.
+    rays: Vec<Vector>,
     log: Vec<Sighting>,
     near: Vec<usize>,
     last_pose: Option<Pose>,
@@ -100,6 +102,7 @@ impl Wall {
             radius: chassis.radius,
             hysteresis: chassis.hysteresis,
             beams: chassis.sensors.iter().map(|mount| mount.angle).collect(),
+            rays: chassis.sensors.iter().map(|mount| angle::unit(mount.angle)).collect(),
             log: Vec::new(),
             near: Vec::new(),
             last_pose: None,
@@ -330,6 +333,10 @@ impl Wall {
 
     fn carve_step(&mut self, from: Pose, to: Pose, closed: SwitchSet) {
         let far = self.reach - 0.008;
+        let facing = (from.direction(), to.direction());
+        let local = |at: Point, facing: Vector, p: Point| {
+            Vector::new(facing.dot(&(p - at)), cross(facing, p - at))
+        };
         let mut moved = Vec::new();
         for &index in &self.near {
             let seen = &mut self.log[index];
@@ -343,15 +350,14 @@ impl Wall {
                 continue;
             }
             let near_rim = self.radius - 0.002;
-            for (sensor, &beam) in self.beams.iter().enumerate() {
+            let before = local(from.position, facing.0, seen.point);
+            let after = local(to.position, facing.1, seen.point);
+            for (sensor, &ray) in self.rays.iter().enumerate() {
                 if closed.has(sensor) {
                     continue;
                 }
-                let before = from.to_local(seen.point);
-                let after = to.to_local(seen.point);
-                let ray = angle::unit(beam);
-                let (side0, side1) = (cross(ray, before.coords), cross(ray, after.coords));
-                let (along0, along1) = (ray.dot(&before.coords), ray.dot(&after.coords));
+                let (side0, side1) = (cross(ray, before), cross(ray, after));
+                let (along0, along1) = (ray.dot(&before), ray.dot(&after));
                 let swept = side0 * side1 < 0.0 && side0.abs().min(side1.abs()) > 0.0015;
                 let within = along0.min(along1) > near_rim && along0.max(along1) < far;
                 if swept && within {

@@ -103,7 +103,7 @@ impl<'a> Unswept<'a> {
         if wall <= 0.0 {
             return wall;
         }
-        let mut least = wall.min(floor.object_clearance(p));
+        let mut least = wall.min(floor.object_clearance_within(p, wall));
         let most = least + floor.reach;
         least = least.min(self.path.distance_within(p, most) - floor.reach);
         if wall < floor.radius && least > 0.0 {

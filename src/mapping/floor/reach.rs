@@ -2,47 +2,27 @@
 //! together with where the robot stands.
 
 use super::{Floor, inside};
-use crate::geometry::raster::Grid;
+use crate::geometry::raster::{Grid, Nearest};
 use crate::geometry::{Point, Segment};
 
 /// The centre keeps this much more than the radius from everything, metres.
 pub(super) const SPARE: f64 = 0.02;
 
-/// Puts an object into the raster of distances. Only cells that come nearer to it than to what is
-/// there already are looked at, so an object costs about its surroundings.
-pub(super) fn stand_on(grid: &Grid, outline: &[Segment], free: &mut [f32]) {
-    for segment in outline {
-        lower_around(grid, segment, free);
+/// Puts objects into the raster of distances.
+pub(super) fn stand_on(grid: &Grid, outlines: &[Vec<Segment>], free: &mut [f32]) {
+    let all: Vec<Segment> = outlines.iter().flatten().copied().collect();
+    if all.is_empty() {
+        return;
     }
-    for (value, within) in free.iter_mut().zip(inside(grid, outline)) {
-        if within {
-            *value = -value.abs();
-        }
+    for (value, square) in free.iter_mut().zip(Nearest::new(grid, &all).squared) {
+        *value = value.abs().min(square.sqrt()).copysign(*value);
     }
-}
-
-/// Lowers the distances around one segment, in rings that widen until nothing changes.
-fn lower_around(grid: &Grid, segment: &Segment, free: &mut [f32]) {
-    let mut inner = 0.0;
-    let mut outer = 8.0 * grid.cell;
-    loop {
-        let mut changed = false;
-        grid.stadium_runs(segment, outer, |row, first, last| {
-            for x in first..=last {
-                let square = segment.distance_squared(grid.center(x, row)) as f32;
-                let value = &mut free[row * grid.width + x];
-                // The sign is set afterwards: only the size is compared here.
-                if square < *value * *value {
-                    *value = square.sqrt().copysign(*value);
-                    changed |= square > inner;
-                }
+    for outline in outlines {
+        for (value, within) in free.iter_mut().zip(inside(grid, outline)) {
+            if within {
+                *value = -value.abs();
             }
-        });
-        if !changed {
-            return;
         }
-        inner = ((outer - 2.0 * grid.cell) * (outer - 2.0 * grid.cell)) as f32;
-        outer *= 2.0;
     }
 }
 

@@ -163,12 +163,16 @@ impl Load {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Balance {
     load: Load,
+    /// Whether the load is a turn, or the first steps of one.
+    turning: bool,
 }
 
 impl Balance {
-    /// What to weigh before `step` is taken: all that came before a large turn.
+    /// What to weigh before `step` is taken: all that came before a large turn, and the turn after it.
     pub(super) fn before(&mut self, step: &Step) -> Option<Load> {
-        (step.turns() && self.load.length > 0.0).then(|| self.empty())
+        let turning = std::mem::replace(&mut self.turning, step.turns());
+        let something = self.load.length > 0.0 || turning;
+        (turning != step.turns() && something).then(|| self.empty())
     }
 
     /// Takes the next step; what to weigh after it, if it is time to.
@@ -177,7 +181,7 @@ impl Balance {
         self.load.seconds += step.seconds;
         self.load.against += step.against();
         self.load.squares += step.spun.1.squares - step.spun.0.squares;
-        (step.turns() || self.load.length > OFTEN).then(|| self.empty())
+        (!step.turns() && self.load.length > OFTEN).then(|| self.empty())
     }
 
     fn empty(&mut self) -> Load {
@@ -213,11 +217,12 @@ mod tests {
         let before = balance.before(&turn).expect("a large turn comes");
         assert!((before.length - 0.15).abs() < 1e-9 && (before.against - 0.004).abs() < 1e-9);
         assert!(before.scrub() < 1e-12);
-        let turned = balance.take(&turn).expect("a large turn");
+        assert!(balance.take(&turn).is_none(), "it may go on");
+        let turned = balance.before(&straight).expect("the turn has ended");
         // All since the beginning is told again: rounding to ticks does not add up.
         assert!(turned.length < 1e-9 && (turned.against - 0.014).abs() < 1e-9);
         assert!((turned.scrub().sqrt() - 0.3 * TURN_SHARE).abs() < 1e-9);
-        assert!(balance.before(&turn).is_none(), "nothing came together");
+        assert!(balance.before(&straight).is_none(), "nothing came together");
     }
 
     #[test]

@@ -2,8 +2,9 @@
 //! so where wheels and gyro can be weighed against each other.
 
 use super::balance::Load;
-use super::{AGAINST, BIAS, GATE, SCALE, Step, Survey, TRACK, WHEELS};
-use nalgebra::{Matrix3, Vector3};
+use super::{AGAINST, BIAS, FIRST_KNOT, GATE, Head, POSE, SCALE, Step, Survey, TRACK, WHEELS};
+use crate::geometry::Vector;
+use nalgebra::SVector;
 
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
 const HEADING_WALK: f64 = 1.0e-3;
@@ -15,8 +16,38 @@ const ALONG: f64 = 0.0015;
 /// What the robot is put off to the side by more than its heading explains, likewise.
 const ASIDE: f64 = 0.0007;
 
-/// A row of the filter that gains by other rows in each step, by how much of each.
-type Gains = [(usize, f64); 4];
+/// What a step makes of the errors that change while the robot drives: those of the pose, and of what
+/// the wheels turned more than the gyro.
+struct Onward {
+    moved: Vector,
+    seconds: f64,
+    turned: f64,
+    ahead: f64,
+}
+
+impl Onward {
+    /// The rows that change.
+    const ROWS: [usize; 4] = [POSE, POSE + 1, POSE + 2, AGAINST];
+
+    fn over(step: &Step) -> Self {
+        let moved = step.to.position - step.from.position;
+        Self { moved, seconds: step.seconds, turned: step.turned(), ahead: step.ahead() }
+    }
+
+    /// The changed rows of what `old` tells row by row.
+    fn apply(&self, old: impl Fn(usize) -> f64) -> [f64; 4] {
+        let (moved, heading) = (self.moved, old(POSE + 2));
+        // Drift over the step turns the heading, and half of it the way.
+        let drift = self.seconds * old(BIAS) + self.turned * old(SCALE);
+        let turn = heading + drift / 2.0;
+        [
+            old(POSE) - moved.y * turn,
+            old(POSE + 1) + moved.x * turn,
+            heading + drift,
+            old(AGAINST) + drift - self.ahead * old(WHEELS) - self.turned * old(TRACK),
+        ]
+    }
+}
 
 impl Survey {
     /// The robot made `step`.
@@ -31,8 +62,26 @@ impl Survey {
         }
     }
 
+    /// Brings what the knots' errors have in common with those of the pose up to the last step. Each step
+    /// changes a few rows of that by the same rule, so that many can be taken at once.
+    pub(super) fn settle(&mut self) {
+        if !std::mem::take(&mut self.lags) {
+            return;
+        }
+        let onward = std::mem::replace(&mut self.onward, Head::identity());
+        for knot in FIRST_KNOT..self.mean.len() {
+            let old = SVector::<f64, FIRST_KNOT>::from_fn(|k, _| self.covariance[(k, knot)]);
+            let new = onward * old;
+            for row in Onward::ROWS {
+                self.covariance[(row, knot)] = new[row];
+                self.covariance[(knot, row)] = new[row];
+            }
+        }
+    }
+
     /// Weighs what the wheels say of the turns since they were weighed last against the gyro.
     fn weigh(&mut self, load: &Load) {
+        self.settle();
         let row = [(AGAINST, 1.0)];
         // Two wheels, each rounded to a tick.
         let rounding = self.resolution * self.resolution / 6.0;
@@ -55,54 +104,29 @@ impl Survey {
 
     /// Spreads the errors over a step.
     fn drift(&mut self, step: &Step) {
-        let moved = step.to.position - step.from.position;
-        let (seconds, turned) = (step.seconds, step.turned());
-        let mut onward = Matrix3::identity();
-        onward[(0, 2)] = -moved.y;
-        onward[(1, 2)] = moved.x;
-        // Drift over the step turns the heading, and half of it the way.
-        let lever = Vector3::new(-moved.y / 2.0, moved.x / 2.0, 1.0);
-        let (by_bias, by_scale) = (lever * seconds, lever * turned);
-        let against: Gains =
-            [(WHEELS, -step.ahead()), (TRACK, -turned), (BIAS, seconds), (SCALE, turned)];
-        let size = self.mean.len();
-        for column in 0..size {
-            let old = Vector3::new(
-                self.covariance[(0, column)],
-                self.covariance[(1, column)],
-                self.covariance[(2, column)],
-            );
-            let new = onward * old
-                + by_bias * self.covariance[(BIAS, column)]
-                + by_scale * self.covariance[(SCALE, column)];
-            for row in 0..3 {
-                self.covariance[(row, column)] = new[row];
+        let onward = Onward::over(step);
+        for column in 0..FIRST_KNOT {
+            let new = onward.apply(|k| self.covariance[(k, column)]);
+            for (row, value) in Onward::ROWS.into_iter().zip(new) {
+                self.covariance[(row, column)] = value;
             }
-            let gain: f64 = against.iter().map(|(k, by)| by * self.covariance[(*k, column)]).sum();
-            self.covariance[(AGAINST, column)] += gain;
-        }
-        for row in 0..size {
-            let old = Vector3::new(
-                self.covariance[(row, 0)],
-                self.covariance[(row, 1)],
-                self.covariance[(row, 2)],
-            );
-            let new = onward * old
-                + by_bias * self.covariance[(row, BIAS)]
-                + by_scale * self.covariance[(row, SCALE)];
-            for column in 0..3 {
-                self.covariance[(row, column)] = new[column];
+            let new = onward.apply(|k| self.onward[(k, column)]);
+            for (row, value) in Onward::ROWS.into_iter().zip(new) {
+                self.onward[(row, column)] = value;
             }
-            let gain: f64 = against.iter().map(|(k, by)| by * self.covariance[(row, *k)]).sum();
-            self.covariance[(row, AGAINST)] += gain;
         }
-        let pose = onward * Vector3::new(self.mean[0], self.mean[1], self.mean[2])
-            + by_bias * self.mean[BIAS]
-            + by_scale * self.mean[SCALE];
-        for row in 0..3 {
-            self.mean[row] = pose[row];
+        for row in 0..FIRST_KNOT {
+            let new = onward.apply(|k| self.covariance[(row, k)]);
+            for (column, value) in Onward::ROWS.into_iter().zip(new) {
+                self.covariance[(row, column)] = value;
+            }
         }
-        self.mean[AGAINST] += self.expected(&against);
+        let new = onward.apply(|k| self.mean[k]);
+        for (row, value) in Onward::ROWS.into_iter().zip(new) {
+            self.mean[row] = value;
+        }
+        self.lags = true;
+        let (moved, seconds) = (onward.moved, step.seconds);
         let length = step.length();
         let along = STRIDE * STRIDE * step.strides() + ALONG * ALONG * length;
         let along = if length > 0.0 { along / (length * length) } else { 0.0 };
@@ -120,6 +144,7 @@ impl Survey {
     /// The gyro was seen to drift at `rate` (radians per second, beyond what was taken out) while the
     /// robot stood still for `seconds`.
     pub fn rest(&mut self, seconds: f64, rate: f64) {
+        self.settle();
         let row = [(BIAS, 1.0)];
         let innovation = -rate - self.mean[BIAS];
         self.update(&row, innovation, HEADING_WALK * HEADING_WALK * self.grip.walk() / seconds);

@@ -74,6 +74,7 @@ impl Survey {
     /// with `normal` and `right`, the normal equations of (x, y, heading); directions that they say
     /// nothing of stay as they are.
     pub fn close(&mut self, early: &Tie, late: &Tie, normal: &Matrix3<f64>, right: &Vector3<f64>) {
+        self.settle();
         let rows = self.relation(early, late);
         let eigen = normal.symmetric_eigen();
         for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
@@ -94,6 +95,7 @@ impl Survey {
     /// Takes a contact at `contact`, seen from `pose`, that should lie on `surface`; returns the
     /// corrected pose, or none when it is too far off to be that surface.
     pub fn touch(&mut self, pose: Pose, contact: Point, surface: &Surface) -> Option<Pose> {
+        self.settle();
         let normal = surface.normal;
         let arm = contact - pose.position;
         let mut row =
@@ -138,6 +140,7 @@ impl Survey {
     /// Lays all of `looks` on one surface that is itself unknown. Looks that cannot be of it at all
     /// are passed over.
     pub fn lay(&mut self, looks: &[Look]) {
+        self.settle();
         let size = self.mean.len();
         self.covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
         self.mean =

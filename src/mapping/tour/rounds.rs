@@ -19,7 +19,7 @@ use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
 
 /// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
-const MATTERS: f64 = 0.002;
+const MATTERS: f64 = 0.003;
 /// Metres driven again after a round has closed, for its misclosure.
 const ROUND_OVERLAP: f64 = 0.25;
 

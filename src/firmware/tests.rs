@@ -249,3 +249,23 @@ fn a_report_comes_every_tenth_of_a_second() {
     let reports = reports.filter(|t| matches!(t, Telemetry::Report { .. }));
     assert_eq!(reports.count(), 20, "reports in two seconds");
 }
+
+#[test]
+fn a_motion_waits_until_the_body_is_at_rest_and_is_stopped_before_it_begins() {
+    let mut robot = Robot::at(1.0, 2.0, 0.0);
+    robot.send(ahead(0.1), FREE, 30.0);
+    robot.until_done(true);
+    robot.send(ahead(0.1), FREE, 30.0);
+    let there = robot.x();
+    for _ in 0..SETTLING {
+        assert!(robot.firmware.is_moving(), "it is in hand");
+        robot.step(true);
+        assert!((robot.x() - there).abs() < 1e-12, "it does not move yet");
+    }
+    assert_eq!(robot.until_done(true).0, DoneReason::Complete);
+    robot.send(ahead(0.1), FREE, 30.0);
+    let there = robot.x();
+    robot.firmware.stop();
+    assert_eq!(robot.until_done(true).0, DoneReason::Stopped);
+    assert!((robot.x() - there).abs() < 1e-12, "it moved in spite of the stop");
+}

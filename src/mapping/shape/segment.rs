@@ -334,3 +334,6 @@ fn joined(samples: &[Sample], a: &Run, b: &Run, sigma: f64) -> Option<(f64, Run)
     let worst = both.iter().map(|s| run.distance(s.point) * s.weight.sqrt()).fold(0.0, f64::max);
     (worst < 3.0 * sigma + 0.0015).then_some((worst, run))
 }
+
+#[cfg(test)]
+mod tests;

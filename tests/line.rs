@@ -116,6 +116,7 @@ fn ended_by(end: End) -> Seen {
         let mut begun: Option<(f64, periplus::geometry::Point)> = None;
         let mut still: Option<f64> = None;
         let mut asleep = end == End::Suspended;
+        let mut woken: Option<f64> = None;
         let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, status: None, ended: f64::NAN };
         for _ in 0..1500 {
             tokio::select! {
@@ -175,6 +176,10 @@ fn ended_by(end: End) -> Seen {
                 (seen.stopped, seen.went) = (still - from, (body.true_pose().position - at).norm());
                 asleep = false;
                 kill(&child, "-CONT");
+                woken = Some(watch.seconds());
+            }
+            // It has taken the terminal on again.
+            if woken.take_if(|at| watch.seconds() - *at > 1.0).is_some() {
                 let keys = terminal.as_mut().expect("a terminal");
                 keys.write_all(b"q").expect("the terminal takes it");
             }
@@ -264,7 +269,8 @@ fn a_console_that_is_put_to_sleep_stops_the_robot_and_can_be_woken() {
     let seen = ended_by(End::Suspended);
     assert!(seen.stopped < 0.6, "still driving after {} s", seen.stopped);
     assert!(seen.went < 0.09, "{} m", seen.went);
-    assert_eq!(seen.status, Some(1), "left short of its goal");
+    // Nobody answers what this terminal is asked: it must not be asked anything.
+    assert_eq!(seen.status, Some(0));
     // Not by the watchdog: it was told to, and the record says so.
     let record = periplus::journal::read(&place_of(End::Suspended)).expect("a record");
     let stopped = record.records.iter().any(|record| {

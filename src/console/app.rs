@@ -99,7 +99,7 @@ async fn turn(
                     match effect {
                         Effect::Intent(intent) => driver.intent(intent),
                         Effect::Quit => return Ok(Ending::Quit),
-                        Effect::Redraw => { guard.terminal.clear()?; drawn = None; }
+                        Effect::Redraw => { guard.blank()?; drawn = None; }
                         Effect::Suspend => {
                             // The robot is at rest before nobody is there to hear it.
                             driver.advance(0.5);

@@ -44,7 +44,17 @@ impl Guard {
         // The whole group, or a `cargo run` around the program would keep the terminal.
         kill_current_process_group(Signal::TSTP)?;
         enter()?;
-        self.terminal.clear()
+        self.blank()
+    }
+
+    /// Empties the screen, so that all of it is drawn anew. The terminal is asked nothing, as ratatui's
+    /// own `clear` asks for the cursor: over a slow line the answer may take too long.
+    ///
+    /// # Errors
+    /// When the terminal refuses.
+    pub fn blank(&mut self) -> io::Result<()> {
+        let size = self.terminal.size()?;
+        self.terminal.resize(size.into())
     }
 }
 

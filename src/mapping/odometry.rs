@@ -19,6 +19,10 @@ const SETTLING: u64 = 300_000;
 /// Rests are gathered until they are this long before the gyro's drift is told from them, seconds.
 const LEAST_REST: f64 = 2.0;
 
+/// A rest before the first motion must be this long to count, seconds: a shorter one says less of the
+/// drift than is known beforehand, and would make the map hang on the operator's patience.
+const FIRST_REST: f64 = 60.0;
+
 /// Corrections nearer to each other than this along the way are one, metres.
 const LEAST_APART: f64 = 0.3;
 
@@ -102,8 +106,7 @@ impl Tracker {
             let seconds = passed as f64 * 1e-6;
             let mut turned = whole(to.heading - last.heading) - self.bias * seconds;
             if (to.left_ticks, to.right_ticks) != (last.left_ticks, last.right_ticks) {
-                // A moment before the first motion tells less than the operator's patience varies by.
-                if self.rolled.is_none() && self.drift.0 < LEAST_REST {
+                if self.rolled.is_none() && self.drift.0 < FIRST_REST {
                     self.drift = (0.0, 0.0);
                 }
                 self.rolled = Some(to.time_us);
@@ -270,7 +273,7 @@ impl Tracker {
     /// seconds, and by how many radians a second beyond the believed drift; none for short rests.
     pub fn take_drift(&mut self) -> Option<(f64, f64)> {
         let (seconds, angle) = self.drift;
-        if seconds < LEAST_REST {
+        if seconds < LEAST_REST || self.rolled.is_none() {
             return None;
         }
         self.drift = (0.0, 0.0);
@@ -336,6 +339,20 @@ mod tests {
 
     fn reading(time_us: u64, ticks: i64, heading: f64) -> Odometer {
         Odometer { time_us, left_ticks: ticks, right_ticks: ticks, heading }
+    }
+
+    #[test]
+    fn a_rest_before_the_first_motion_counts_from_a_minute_on() {
+        for (rest, counts) in [(30, false), (90, true)] {
+            let mut tracker = Tracker::new(&Chassis::default(), Pose::new(0.0, 0.0, 0.5));
+            for k in 0..=rest {
+                tracker.advance(&reading(k * 1_000_000, 0, 1e-4 * k as f64), Phase::Boundary);
+            }
+            assert_eq!(tracker.take_drift(), None, "it stands yet");
+            let time = rest * 1_000_000 + 100_000;
+            tracker.advance(&reading(time, 40, 1e-4 * rest as f64), Phase::Boundary);
+            assert_eq!(tracker.take_drift().is_some(), counts, "{rest} s");
+        }
     }
 
     #[test]

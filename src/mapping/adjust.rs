@@ -7,11 +7,12 @@
 
 use super::circuit::Closure;
 use super::lay::{Overlap, lay};
-use super::map::{ContactKind, PathPoint};
+use super::map::{Contact, ContactKind, PathPoint};
 use super::odometry::Tracker;
+use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch, Wall};
-use crate::geometry::{Point, Pose, angle, cross};
+use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
 
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
@@ -194,6 +195,26 @@ impl Adjustment {
             }
         }
         Self { survey }
+    }
+
+    /// Lets the smooth faces of what was gone round straighten the way: `contacts` are those of the
+    /// adjusted lap and move along, `outlines` what was fitted to them. What lies on straight faces
+    /// bends with every turn that was none, and that is told from the bend (see `smooth`).
+    pub fn straighten<'a>(
+        &mut self,
+        contacts: &mut [Contact],
+        outlines: impl IntoIterator<Item = &'a Ring>,
+    ) {
+        self.survey.rebase();
+        let knots = self.survey.knots();
+        for outline in outlines {
+            smooth(&mut self.survey, knots, outline, contacts);
+        }
+        for contact in contacts {
+            let tie = self.tie(contact.time_us());
+            contact.point += self.survey.displacement(contact.point, &tie);
+            contact.from += self.survey.displacement(contact.from, &tie);
+        }
     }
 
     /// The survey after the adjustment; its knots are the lap's.

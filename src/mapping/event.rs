@@ -201,6 +201,11 @@ pub enum EventKind {
         /// One standard deviation of its position beside the walls there, metres.
         sd: f64,
     },
+    /// An object is measured from what it stands beside.
+    Tying {
+        /// One standard deviation of the distance between the two so far, metres.
+        sd: f64,
+    },
     /// The robot is not where it was believed to be any more: it was carried, or started anew.
     Carried,
     /// With no boundary to know the place by, the lap begins anew; this many objects are dropped.

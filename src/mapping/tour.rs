@@ -11,6 +11,7 @@ mod drive;
 mod line;
 mod recognise;
 mod rounds;
+mod ties;
 
 use super::chart::Chart;
 use super::event::EventKind;
@@ -22,10 +23,11 @@ use super::passing::Passing;
 use super::settings::{Contour, Settings};
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
-use crate::geometry::{Point, Pose, Ring};
+use crate::geometry::{Point, Pose, Ring, Vector};
 use crate::robot::Chassis;
 use drive::{Drive, Purpose, best_chord};
 use rounds::{Half, Pass, Round};
+use ties::{Shuttle, Span};
 use std::collections::VecDeque;
 
 /// A contact this near to something mapped belongs to it, metres: nothing that stands so near to
@@ -57,6 +59,7 @@ enum Doing {
     Driving(Box<Drive>),
     BackingOff(Box<Drive>),
     Rounding(Round),
+    Tying(Shuttle),
     Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
 }
 
@@ -99,6 +102,9 @@ pub struct Tour {
     bearings_at: f64,
     /// Where the second look of the bearings is taken.
     look_next: Option<Point>,
+    /// What is to be measured when the robot is there, and what was: place and direction.
+    to_tie: Option<Span>,
+    tied: Vec<(Point, Vector)>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
 }
@@ -139,6 +145,8 @@ impl Tour {
             begun: false,
             bearings_at: f64::NEG_INFINITY,
             look_next: None,
+            to_tie: None,
+            tied: Vec::new(),
             fixed_by: None,
         }
     }
@@ -236,6 +244,11 @@ impl Tour {
                         return Some(ask);
                     }
                 }
+                Doing::Tying(shuttle) => {
+                    if let Some(ask) = self.shuttle(shuttle, reason.take(), scene) {
+                        return Some(ask);
+                    }
+                }
                 Doing::Rounding(round) => {
                     if let Some(ask) = self.round(round, scene) {
                         return Some(ask);
@@ -257,14 +270,15 @@ impl Tour {
     pub fn interrupt(&mut self, map: &mut RoomMap) {
         self.wall = Wall::new(&self.chassis);
         self.look_next = None;
+        self.to_tie = None;
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing => return,
+            Doing::Choosing | Doing::Tying(_) => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
                 *drive
             }
             Doing::Rounding(round) => round.into_drive(),
         };
-        if drive.purpose == Purpose::Bearings {
+        if drive.purpose != Purpose::Line {
             return;
         }
         self.driven -= drive.done;
@@ -279,7 +293,7 @@ impl Tour {
     /// The line in hand is at an end: nothing on it leads anywhere.
     fn give_up(&mut self, scene: &mut Scene<'_>) {
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing => return,
+            Doing::Choosing | Doing::Tying(_) => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
                 *drive
             }
@@ -306,7 +320,7 @@ impl Tour {
             scene.tell.push(EventKind::LineBegan { id, backwards });
             return Some(Drive { backwards, ..Drive::new(id, from, to) });
         }
-        self.extra_line(scene)
+        self.extra_line(scene).or_else(|| self.tie(scene))
     }
 
     /// A line through the largest disc that is still hidden, if it is too large.

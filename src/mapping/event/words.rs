@@ -193,6 +193,11 @@ impl fmt::Display for EventKind {
             Self::Bearings { sd } => {
                 write!(f, "position sure to {:.0} mm only: taking bearings in a corner", sd * 1e3)
             }
+            Self::Tying { sd } => write!(
+                f,
+                "an object is placed to {:.0} mm only: measuring it from what it stands beside",
+                (sd * 1e3).ceil()
+            ),
             Self::StillHidden { diameter, at } => write!(
                 f,
                 "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",

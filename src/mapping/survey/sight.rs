@@ -100,14 +100,7 @@ impl Survey {
         let arm = contact - pose.position;
         let mut row =
             vec![(POSE, normal.x), (POSE + 1, normal.y), (POSE + 2, normal.dot(&perp(arm)))];
-        let tie = surface.tie;
-        for (index, weight) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
-            let start = FIRST_KNOT + 3 * index;
-            let lever = normal.dot(&perp(surface.at - self.knots[index].at));
-            row.push((start, -weight * normal.x));
-            row.push((start + 1, -weight * normal.y));
-            row.push((start + 2, -weight * lever));
-        }
+        row.extend(self.across(surface, normal, -1.0));
         let off = normal.dot(&(contact - surface.at));
         let variance = CONTACT_SD.max(surface.sd).powi(2);
         let spread = self.spread(&row) + variance;
@@ -116,6 +109,31 @@ impl Survey {
         }
         self.update(&row, -off, variance);
         Some(self.take_pose(pose))
+    }
+
+    /// By how much `surface` moves along `normal` with the errors of its knots, `sign` times.
+    fn across(&self, surface: &Surface, normal: Vector, sign: f64) -> [(usize, f64); 6] {
+        let tie = surface.tie;
+        let of = |index: usize, weight: f64| {
+            let start = FIRST_KNOT + 3 * index;
+            let lever = normal.dot(&perp(surface.at - self.knots[index].at));
+            let weight = sign * weight;
+            [
+                (start, weight * normal.x),
+                (start + 1, weight * normal.y),
+                (start + 2, weight * lever),
+            ]
+        };
+        let ([a, b, c], [d, e, f]) = (of(tie.first, 1.0 - tie.share), of(tie.second, tie.share));
+        [a, b, c, d, e, f]
+    }
+
+    /// Variance of the distance between two surfaces, across the first of them, square metres.
+    #[must_use]
+    pub fn between(&self, one: &Surface, other: &Surface) -> f64 {
+        let mut row = self.across(one, one.normal, 1.0).to_vec();
+        row.extend(self.across(other, one.normal, -1.0));
+        self.spread(&row)
     }
 
     /// What is `off` a surface along `normal`, at `point` as believed when its knots were marked;

@@ -21,6 +21,8 @@ pub(super) enum Purpose {
     Line,
     /// No line at all, but the way to a place where bearings are taken.
     Bearings,
+    /// Likewise, to a place where an object is measured from what it stands beside.
+    Tie,
 }
 
 /// The piece of a line that is being driven.

@@ -65,9 +65,19 @@ impl Tour {
             _ => {}
         }
         if drive.way.is_empty() && !self.plan_piece(&mut drive, scene.rest.pose.position) {
-            if drive.purpose == Purpose::Bearings {
-                self.doing = Doing::Choosing;
-                return (!drive.skipped).then(|| self.look_round());
+            match drive.purpose {
+                Purpose::Line => {}
+                Purpose::Bearings => {
+                    self.doing = Doing::Choosing;
+                    return (!drive.skipped).then(|| self.look_round());
+                }
+                Purpose::Tie => {
+                    self.doing = Doing::Choosing;
+                    if !drive.skipped {
+                        self.begin_shuttle();
+                    }
+                    return None;
+                }
             }
             let reached = drive.done > 0.5 * (drive.to - drive.from).norm() || !drive.skipped;
             if reached && !drive.skipped {
@@ -167,7 +177,7 @@ impl Tour {
         scene: &mut Scene<'_>,
     ) {
         self.doing = Doing::Choosing;
-        if drive.purpose == Purpose::Bearings {
+        if drive.purpose != Purpose::Line {
             return;
         }
         self.driven += ((drive.to - drive.from).norm() - drive.done).max(0.0);

@@ -72,8 +72,10 @@ impl Tour {
             }
             Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
                 let since = closure.from.time_us;
-                let adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
-                let contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
+                let mut adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
+                let mut contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
+                let seen = things(contacts.clone(), &self.chassis);
+                adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
                 let tie = round.close(&overlap, scene);
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.

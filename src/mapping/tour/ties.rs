@@ -1,0 +1,233 @@
+//! Tying objects to the walls: when the plan is driven, what is not yet known well enough to lie where
+//! it lies is measured from what it stands beside.
+//!
+//! Between two faces that look at each other the robot goes to and fro, forwards until the switch in
+//! front closes and backwards until the one behind does. Each way measures the distance between them
+//! anew, and since what the wheels are off by differs from one motion to the next, a few short ways
+//! say what one long line across the room cannot. Surveyors tie detail points to their control points
+//! in the same way. Which faces are measured is chosen by what the survey believes: where most is
+//! learnt for the metres it costs.
+
+use super::drive::{Drive, Purpose};
+use super::{Doing, ROOM, Scene, Tour};
+use crate::geometry::{Point, Vector, angle, perp};
+use crate::mapping::chart::Chart;
+use crate::mapping::event::EventKind;
+use crate::mapping::floor::Floor;
+use crate::mapping::follow::{Ask, STRIDE};
+use crate::mapping::survey::Survey;
+use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+
+/// A face that is known to this beside what it looks at (one standard deviation across it, metres) is
+/// known well enough: a contact is hardly better.
+const SURE: f64 = 0.003;
+/// Ways between two faces, each of which measures their distance.
+const WAYS: u32 = 4;
+/// Faces farther apart than this are not measured from each other, metres.
+const FARTHEST: f64 = 2.5;
+/// One place on a face for so many metres of it.
+const EVERY: f64 = 0.3;
+/// Nearer to its end a face is not measured, metres.
+const MARGIN: f64 = 0.05;
+/// What looks at a face does so within this cosine.
+const FACING: f64 = 0.94;
+/// What is done besides driving there costs as much time as so many metres.
+const OVERHEAD: f64 = 1.5;
+/// Places nearer to each other than this are the same, metres.
+const SAME_PLACE: f64 = 0.15;
+/// So many of the most promising places have their way looked for.
+const TRIED: usize = 6;
+/// Ties at most, for each object.
+const MOST_FOR_EACH: usize = 6;
+/// How far beyond where a face should be the robot goes in search of it, metres.
+const BEYOND: f64 = 0.05;
+
+/// Two faces that look at each other, and the way between.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    /// Where the robot's centre is when its back is at the object.
+    at: Point,
+    /// Unit vector from the object to what looks at it.
+    along: Vector,
+    /// From `at` to where its front is at the other, metres.
+    length: f64,
+    /// Variance of the distance between the faces, square metres.
+    spread: f64,
+}
+
+/// Going to and fro on a span.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shuttle {
+    span: Span,
+    /// Ways that are left.
+    left: u32,
+    forwards: bool,
+    /// Where the way in hand began.
+    from: Point,
+    moves: u32,
+}
+
+impl Span {
+    /// What going to and fro leaves of the variance of the distance, square metres.
+    fn after(&self) -> f64 {
+        // Strides of half a metre, each off by half a percent; a contact at either end.
+        let way = (0.005_f64 * 0.5).powi(2) * (self.length / 0.5).max(0.5) + 2.0 * SURE * SURE / 2.0;
+        let measured = way / f64::from(WAYS - 1);
+        self.spread * measured / (self.spread + measured)
+    }
+}
+
+/// The switch that looks along `bearing`, if there is one.
+fn looking(chassis: &Chassis, bearing: f64) -> Option<usize> {
+    chassis.sensors.iter().position(|mount| angle::wrap(mount.angle - bearing).abs() < 0.05)
+}
+
+/// The spans between the objects' faces and what they look at.
+fn spans(chart: &Chart, floor: &Floor, survey: &Survey, radius: f64) -> Vec<Span> {
+    let mut found = Vec::new();
+    for ring in chart.objects() {
+        for piece in &ring.pieces {
+            let room = piece.length() - 2.0 * MARGIN;
+            if room < 0.0 {
+                continue;
+            }
+            let places = (room / EVERY).ceil().max(1.0);
+            for k in 0..places as u32 {
+                let t = (MARGIN + room * (f64::from(k) + 0.5) / places) / piece.length();
+                let (foot, along) = (piece.at(t), -perp(piece.tangent(t)));
+                found.extend(span(chart, floor, survey, radius, foot, along));
+            }
+        }
+    }
+    found
+}
+
+/// The span that begins at `foot` on an object's face and leads away from it `along`.
+fn span(
+    chart: &Chart,
+    floor: &Floor,
+    survey: &Survey,
+    radius: f64,
+    foot: Point,
+    along: Vector,
+) -> Option<Span> {
+    let gap = radius + ROOM + 0.01;
+    let at = foot + along * gap;
+    let most = (FARTHEST / 0.02) as u32;
+    let length = (0..most)
+        .map(|k| f64::from(k) * 0.02)
+        .take_while(|s| floor.clearance(at + along * *s) >= radius + ROOM - 0.005)
+        .last()?;
+    let end = at + along * length;
+    if !floor.is_drivable(at) || !floor.is_drivable(end) {
+        return None;
+    }
+    let ahead = end + along * floor.clearance(end + along * 0.01);
+    let near = chart.surface_at(survey, foot, at, 0.01)?;
+    let far = chart.surface_at(survey, ahead, end, 0.04)?;
+    if far.normal.dot(&along).abs() < FACING || far.tie == near.tie {
+        return None;
+    }
+    Some(Span { at, along, length, spread: survey.between(&near, &far) })
+}
+
+impl Tour {
+    /// A drive to where an object is to be measured from what it stands beside; none when all of them
+    /// are known well enough, or cannot be measured better.
+    pub(super) fn tie(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+        looking(&self.chassis, 0.0)?;
+        looking(&self.chassis, angle::PI)?;
+        let objects = self.chart.objects().count();
+        if self.tied.len() >= MOST_FOR_EACH * objects {
+            return None;
+        }
+        let (at, radius) = (scene.rest.pose.position, self.chassis.radius);
+        self.floor(at);
+        let floor = self.floor.as_ref()?;
+        let mut spans = spans(&self.chart, floor, scene.survey, radius);
+        spans.retain(|span| {
+            let done = |(place, along): &(Point, Vector)| {
+                (place - span.at).norm() < SAME_PLACE && along.dot(&span.along) > FACING
+            };
+            span.spread > SURE * SURE && !self.tied.iter().any(done)
+        });
+        let worth = |span: &Span, way: f64| {
+            let gain = span.spread - span.after();
+            gain / (OVERHEAD + way + f64::from(WAYS) * span.length)
+        };
+        let straight = |span: &Span| worth(span, (span.at - at).norm());
+        spans.sort_by(|a, b| straight(b).total_cmp(&straight(a)));
+        let (_, span) = spans
+            .into_iter()
+            .take(TRIED)
+            .filter_map(|span| {
+                let way = floor.route_length(at, span.at, radius + ROOM)?;
+                Some((worth(&span, way), span))
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0))?;
+        self.tied.push((span.at, span.along));
+        self.to_tie = Some(span);
+        scene.tell.push(EventKind::Tying { sd: span.spread.sqrt() });
+        Some(Drive { purpose: Purpose::Tie, ..Drive::new(0, span.at, span.at) })
+    }
+
+    /// At the object: to and fro from here.
+    pub(super) fn begin_shuttle(&mut self) {
+        self.doing = self.to_tie.take().map_or(Doing::Choosing, |span| {
+            let from = span.at;
+            Doing::Tying(Shuttle { span, left: WAYS, forwards: true, from, moves: 0 })
+        });
+    }
+
+    /// The next motion between the two faces; none when it is over.
+    pub(super) fn shuttle(
+        &mut self,
+        mut shuttle: Shuttle,
+        reason: Option<DoneReason>,
+        scene: &mut Scene<'_>,
+    ) -> Option<Ask> {
+        let pose = scene.rest.pose;
+        let (front, back) = (looking(&self.chassis, 0.0)?, looking(&self.chassis, angle::PI)?);
+        let ahead = if shuttle.forwards { front } else { back };
+        match reason {
+            Some(DoneReason::Guard { sensor, rising: true }) => {
+                let seen =
+                    self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied();
+                if self.fixed_by.is_none() || self.fixed_by != seen.map(|seen| seen.time_us) {
+                    // Not what was to be measured: this leads nowhere.
+                    return None;
+                }
+                if sensor == ahead {
+                    shuttle.left -= 1;
+                    shuttle.forwards = !shuttle.forwards;
+                    shuttle.from = pose.position;
+                }
+            }
+            Some(DoneReason::Complete) | None => {}
+            Some(_) => return None,
+        }
+        let most = shuttle.span.length + BEYOND;
+        let gone = (pose.position - shuttle.from).norm();
+        shuttle.moves += 1;
+        if shuttle.left == 0 || gone > most || shuttle.moves > 8 * WAYS {
+            return None;
+        }
+        let ahead = if shuttle.forwards { front } else { back };
+        let turn = angle::wrap(angle::of(shuttle.span.along) - pose.heading);
+        let motion = if turn.abs() > 0.02 {
+            Motion::Turn { angle: turn, rate: f64::INFINITY }
+        } else {
+            let sign = if shuttle.forwards { 1.0 } else { -1.0 };
+            let distance = sign * (most - gone + 0.01).min(STRIDE);
+            Motion::Move { distance, speed: f64::INFINITY }
+        };
+        let turning = matches!(motion, Motion::Turn { .. });
+        let rise = if turning { SwitchSet::EMPTY } else { SwitchSet::only(ahead) };
+        self.doing = Doing::Tying(shuttle);
+        Some(Ask {
+            motion,
+            guard: Guard { rise, fall: SwitchSet::EMPTY },
+            why: "measuring an object from what it stands beside",
+        })
+    }
+}

@@ -66,12 +66,19 @@ impl Ring {
     /// The place on the ring nearest to `p`; none for a ring without pieces.
     #[must_use]
     pub fn nearest(&self, p: Point) -> Option<Foot> {
+        self.nearest_where(p, |_, _| true)
+    }
+
+    /// The nearest of those places on the ring that `counts` accepts, of each piece the one nearest to
+    /// `p`: told the piece and the share of its length.
+    #[must_use]
+    pub fn nearest_where(&self, p: Point, counts: impl Fn(&Piece, f64) -> bool) -> Option<Foot> {
         let mut best: Option<Foot> = None;
         for (index, piece) in self.pieces.iter().enumerate() {
             let t = piece.nearest(p);
             let point = piece.at(t);
             let distance = (point - p).norm();
-            if best.is_none_or(|b| distance < b.distance) {
+            if best.is_none_or(|b| distance < b.distance) && counts(piece, t) {
                 best = Some(Foot { piece: index, t, point, distance });
             }
         }

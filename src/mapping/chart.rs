@@ -7,12 +7,14 @@
 use super::accuracy::Judge;
 use super::map::{Contact, MappedObject, RoomMap};
 use super::survey::{Surface, Survey, Tie};
-use crate::geometry::{Point, Ring, perp};
+use crate::geometry::{Piece, Point, Ring, perp};
 
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
 /// Nearer to the end of a piece than this its normal says nothing, metres.
 const CORNER: f64 = 0.04;
+/// What is seen from more askance than this (cosine) is not of the surface.
+const LEAST_INCIDENCE: f64 = 0.5;
 
 /// One ring as it was fitted, what it hangs on, and where it is now.
 #[derive(Debug, Clone)]
@@ -126,21 +128,27 @@ impl Chart {
         from: Point,
         within: f64,
     ) -> Option<Surface> {
-        let charted = self
+        let towards = (from - contact).try_normalize(1e-9)?;
+        // The floor is on the left of the boundary and on the right of an object: the far face of a
+        // thin wall may be the nearer one, but it was not seen.
+        let faces = |charted: &Charted, piece: &Piece, t: f64| {
+            let floor = if std::ptr::eq(charted, &raw const self.rings[0]) { 1.0 } else { -1.0 };
+            floor * perp(piece.tangent(t)).dot(&towards) > LEAST_INCIDENCE
+        };
+        let (charted, foot) = self
             .rings
             .iter()
-            .min_by(|a, b| a.shown.distance(contact).total_cmp(&b.shown.distance(contact)))?;
-        let foot = charted.shown.nearest(contact)?;
+            .filter_map(|charted| {
+                let foot = charted.shown.nearest_where(contact, |piece, t| faces(charted, piece, t))?;
+                Some((charted, foot))
+            })
+            .min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))?;
         let piece = charted.shown.pieces[foot.piece];
         let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
         if foot.distance > within || from_corner < CORNER {
             return None;
         }
         let normal = perp(piece.tangent(foot.t));
-        let incidence = (from - contact).normalize().dot(&normal).abs();
-        if incidence < 0.5 {
-            return None;
-        }
         let nominal = charted.nominal.pieces[foot.piece].at(foot.t);
         let tie = self.tie(charted, survey, nominal);
         let at = nominal + survey.displacement(nominal, &tie);

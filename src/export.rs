@@ -7,6 +7,7 @@ pub mod geojson;
 pub mod native;
 pub mod picture;
 pub mod png;
+pub mod reach;
 pub mod rectangle;
 pub mod report;
 pub mod ros;

@@ -1,6 +1,7 @@
 //! `map.geojson`: one feature collection in metres, in the map frame, that other programs (and
 //! whoever judges a map) read. It knows the roles of features and nothing of files.
 
+use super::reach::closing;
 use super::{RunRecord, boundary, closed_positions, position, rounded, surface_points};
 use crate::geometry::{Point, Pose};
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, Phase, PlanLine};
@@ -22,7 +23,8 @@ pub fn write(record: &RunRecord<'_>) -> String {
 fn features(record: &RunRecord<'_>) -> Vec<Value> {
     let mut all = vec![start(record.settings.start)];
     all.extend(outline(record));
-    all.extend(record.map.objects.iter().filter_map(object));
+    let radius = record.settings.chassis.radius;
+    all.extend(record.map.objects.iter().flat_map(|thing| object(thing, radius)));
     if let Some(plan) = &record.map.plan {
         // A shorter plan does without most of the paper's lines, which can be a hundred thousand;
         // only the paper's own plan is told whole (figure 8).
@@ -71,18 +73,28 @@ fn open(role: &str, points: &[Point], more: Value) -> Option<Value> {
     (line.len() >= 2).then(|| feature(role, "LineString", json!(line), more))
 }
 
-fn object(object: &MappedObject) -> Option<Value> {
+/// An object by what it keeps a body of `radius` metres off; where that is more than its surfaces, these
+/// follow as a line.
+fn object(object: &MappedObject, radius: f64) -> Vec<Value> {
     let more = json!({ "id": object.id, "class": object.class, "closed": object.closed });
     if object.closed {
-        let ring = closed_positions(&object.outline)?;
-        return Some(feature("object", "Polygon", json!([ring]), more));
+        let Some(surface) = closed_positions(&object.outline) else { return Vec::new() };
+        let kept_off = closing(&object.outline, radius).and_then(|ring| closed_positions(&ring));
+        let Some(ring) = kept_off else {
+            return vec![feature("object", "Polygon", json!([surface]), more)];
+        };
+        let id = json!({ "id": object.id });
+        return vec![
+            feature("object", "Polygon", json!([ring]), more),
+            feature("object_surface", "LineString", json!(surface), id),
+        ];
     }
     // The closing chord of an open outline is nobody's surface, and is left out.
     let mut chain = object.outline.to_points(super::SAGITTA);
     if chain.len() < 2 {
         chain = object.contacts.iter().map(|contact| contact.point).collect();
     }
-    open("object_open", &chain, more)
+    open("object_open", &chain, more).into_iter().collect()
 }
 
 fn plan_line(line: &PlanLine) -> Value {

@@ -238,7 +238,7 @@ mod tests {
         );
         let shape = Shape {
             class: ShapeClass::Convex,
-            vertices: outline.pieces.iter().map(crate::geometry::Piece::from).collect(),
+            vertices: outline.pieces.iter().map(Piece::from).collect(),
             parts: Vec::new(),
             outline,
         };
@@ -268,6 +268,27 @@ mod tests {
         let askance = Point::new(1.0, 0.1);
         assert_eq!(chart.surface_at(&survey, Point::new(2.0, 0.03), askance, 0.15), None);
         assert_eq!(chart.surface_at(&survey, Point::new(2.0, 1.0), from, 0.15), None);
+    }
+
+    #[test]
+    fn a_contact_behind_a_thin_face_is_still_of_the_face_that_was_seen() {
+        let (mut survey, mut chart) = room();
+        let tie = survey.mark(Point::new(2.0, 1.0), 1);
+        // A board of 20 mm, from (1, 1.5) to (3, 1.52), seen from below, 15 mm behind its face.
+        let corners = [(1.0, 1.5), (3.0, 1.5), (3.0, 1.52), (1.0, 1.52)];
+        let object = MappedObject {
+            id: 1,
+            class: ObjectClass::Rectangle,
+            outline: Ring::polygon(&corners.map(|(x, y)| Point::new(x, y))),
+            closed: true,
+            contacts: vec![contact(2.0, 1.5, 1.0)],
+        };
+        chart.add(&object, tie);
+        let seen = Point::new(2.0, 1.515);
+        let below = chart.surface_at(&survey, seen, Point::new(2.0, 1.35), 0.15);
+        assert!((below.expect("the lower face").at.y - 1.5).abs() < 1e-9);
+        let above = chart.surface_at(&survey, seen, Point::new(2.0, 1.68), 0.15);
+        assert!((above.expect("the upper face").at.y - 1.52).abs() < 1e-9);
     }
 
     #[test]

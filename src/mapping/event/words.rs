@@ -128,6 +128,23 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What is measured to know better where the robot and the objects are.
+fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    let millimetres = |sd: &f64| sd * 1e3;
+    match kind {
+        EventKind::Fixed { by } => write!(f, "pose corrected by {:.0} mm", millimetres(by)),
+        EventKind::Bearings { sd } => {
+            write!(f, "position sure to {:.0} mm only: taking bearings in a corner", millimetres(sd))
+        }
+        EventKind::Tying { sd } => write!(
+            f,
+            "an object is placed to {:.0} mm only: measuring it from what it stands beside",
+            millimetres(sd).ceil()
+        ),
+        _ => Ok(()),
+    }
+}
+
 impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -189,15 +206,7 @@ impl fmt::Display for EventKind {
             | Self::SwitchDoubted { .. } => trouble(f, self),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
-            Self::Fixed { by } => write!(f, "pose corrected by {:.0} mm", by * 1e3),
-            Self::Bearings { sd } => {
-                write!(f, "position sure to {:.0} mm only: taking bearings in a corner", sd * 1e3)
-            }
-            Self::Tying { sd } => write!(
-                f,
-                "an object is placed to {:.0} mm only: measuring it from what it stands beside",
-                (sd * 1e3).ceil()
-            ),
+            Self::Fixed { .. } | Self::Bearings { .. } | Self::Tying { .. } => fixes(f, self),
             Self::StillHidden { diameter, at } => write!(
                 f,
                 "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",

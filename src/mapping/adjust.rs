@@ -6,7 +6,7 @@
 //! the heading before it (see `survey`); measured better than angles first and Bowditch after.
 
 use super::circuit::Closure;
-use super::lay::{Overlap, lay};
+use super::lay::{Overlap, Seen, lay};
 use super::map::{Contact, ContactKind, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
@@ -24,17 +24,17 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
     let since = |s: &Sighting| s.travelled - closure.from.travelled;
-    let early: Vec<Point> = sightings
+    let early: Vec<Seen> = sightings
         .iter()
         .filter(range)
         .filter(|s| (-0.3..overlap + 0.5).contains(&since(s)))
-        .map(|s| s.point)
+        .map(Sighting::seen)
         .collect();
-    let late: Vec<Point> = sightings
+    let late: Vec<Seen> = sightings
         .iter()
         .filter(range)
         .filter(|s| s.travelled > closure.to.travelled)
-        .map(|s| s.point)
+        .map(Sighting::seen)
         .collect();
     let lap = closure.length();
     let centre = closure.to.pose.position;

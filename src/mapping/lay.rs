@@ -29,6 +29,22 @@ const MOST_SCATTER: f64 = 0.006;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
 const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
+/// A place of a surface, and from which side it was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Where it is.
+    pub at: Point,
+    /// Towards the floor from which it was seen; of any length.
+    pub towards: Vector,
+}
+
+impl Seen {
+    /// What `other` saw may be the same surface: the two faces of a thin wall are not.
+    fn faces_as(&self, other: &Self) -> bool {
+        self.towards.dot(&other.towards) > 0.0
+    }
+}
+
 /// What the overlap says of a lap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
@@ -73,8 +89,8 @@ impl Overlap {
 /// right-hand side. The best that is found from `starts` counts.
 #[must_use]
 pub fn lay(
-    early: &[Point],
-    late: &[Point],
+    early: &[Seen],
+    late: &[Seen],
     centre: Point,
     prior: (Matrix3<f64>, Vector3<f64>),
     starts: &[Vector3<f64>],
@@ -123,8 +139,8 @@ struct Fit {
 
 /// Two looks at the same wall.
 struct Laid<'a> {
-    early: &'a [Point],
-    late: &'a [Point],
+    early: &'a [Seen],
+    late: &'a [Seen],
     centre: Point,
     prior: Matrix3<f64>,
     expected: Vector3<f64>,
@@ -165,13 +181,17 @@ impl Laid<'_> {
             let found = fit.found;
             let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
             let (mut agreeing, mut known) = (0, 0);
-            for &point in self.late {
-                let arm = rotate(point - self.centre, -found.z);
+            for seen in self.late {
+                let arm = rotate(seen.at - self.centre, -found.z);
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
                 let near = BESIDE.max(3.0 * self.scatter);
-                let beside = self.early.iter().any(|p| (p - placed).norm() < near);
+                let placed = Seen { at: placed, ..*seen };
+                let beside = self
+                    .early
+                    .iter()
+                    .any(|early| (early.at - placed.at).norm() < near && early.faces_as(&placed));
                 let straight = STRAIGHT.max(1.6 * self.scatter);
-                let Some(wall) = stretch_beside(self.early, placed, straight) else {
+                let Some(wall) = stretch_beside(self.early, &placed, straight) else {
                     // Ragged wall has no stretch to lie on; a contact where one was agrees too.
                     agreeing += usize::from(beside);
                     known += usize::from(beside);
@@ -180,7 +200,7 @@ impl Laid<'_> {
                 known += 1;
                 let across = perp(wall.along);
                 let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
-                let off = across.dot(&(placed - wall.at));
+                let off = across.dot(&(placed.at - wall.at));
                 agreeing += usize::from(beside || off.abs() < ON_IT.max(2.5 * self.scatter));
                 // Huber's weight: a contact that belongs to another wall must not pull.
                 let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
@@ -225,20 +245,24 @@ fn well_seen(
 
 /// How far contacts scatter about their walls, metres: the lower quartile of what short stretches do,
 /// since corners and ragged walls are no scatter.
-fn scatter(points: &[Point]) -> f64 {
+fn scatter(seen: &[Seen]) -> f64 {
     const STRETCH: usize = 6;
+    let points: Vec<Point> = seen.iter().map(|seen| seen.at).collect();
     let stretches = points.windows(STRETCH).filter_map(Stretch::through);
     let mut residuals: Vec<f64> = stretches.map(|stretch| stretch.residual).collect();
     residuals.sort_by(f64::total_cmp);
     residuals.get(residuals.len() / 4).map_or(0.0, |residual| residual.min(MOST_SCATTER))
 }
 
-/// The straight stretch of early wall on which `point` lies: through its neighbours, as near as
+/// The straight stretch of early wall on which what was `seen` lies: through its neighbours, as near as
 /// there are enough of them.
-fn stretch_beside(walls: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
+fn stretch_beside(walls: &[Seen], seen: &Seen, tolerance: f64) -> Option<Stretch> {
+    let point = seen.at;
+    let facing: Vec<Point> =
+        walls.iter().filter(|wall| wall.faces_as(seen)).map(|wall| wall.at).collect();
     NEIGHBOURS.iter().find_map(|reach| {
         let near: Vec<Point> =
-            walls.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
+            facing.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
         if near.len() < 4 {
             return None;
         }

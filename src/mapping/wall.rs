@@ -11,6 +11,7 @@ mod stretch;
 pub use stretch::Stretch;
 
 use super::drift::Unwound;
+use super::lay::Seen;
 use super::map::{Contact, ContactKind};
 use crate::geometry::{Point, Pose, Vector, angle, cross};
 use crate::robot::{Chassis, Edge, SwitchSet};
@@ -55,6 +56,12 @@ impl Sighting {
             beam: self.beam + unwound.turn(self.time_us),
             ..*self
         }
+    }
+
+    /// The place that was seen, and from where.
+    #[must_use]
+    pub fn seen(&self) -> Seen {
+        Seen { at: self.point, towards: self.pose.position - self.point }
     }
 
     /// The contact as it goes into the map.

@@ -5,11 +5,12 @@
 
 use super::rounds::Round;
 use super::{Scene, Tour};
-use crate::geometry::{Point, Ring, angle};
+use crate::geometry::{Point, Ring, angle, perp};
 use crate::mapping::event::EventKind;
-use crate::mapping::lay::{Overlap, lay};
+use crate::mapping::lay::{Overlap, Seen, lay};
 use crate::mapping::map::ContactKind;
 use crate::mapping::survey::Tie;
+use crate::mapping::wall::Sighting;
 use nalgebra::{Matrix3, Vector3};
 
 /// A pose known better than this beside the map (one standard deviation, metres) is believed.
@@ -44,18 +45,18 @@ impl Tour {
         }
         let log = round.circuit.wall.log();
         let seen = log.iter().filter(|s| s.alive && s.kind == ContactKind::Range);
-        let late: Vec<Point> = seen.map(|s| s.point).take(MOST_CONTACTS).collect();
+        let late: Vec<Seen> = seen.map(Sighting::seen).take(MOST_CONTACTS).collect();
         if late.len() < LEAST_CONTACTS || extent(&late) < LEAST_EXTENT {
             return false;
         }
         let within = (DEVIATIONS * loose).min(FARTHEST);
-        let Some(first) = late.first() else { return false };
+        let Some(first) = late.first().map(|seen| seen.at) else { return false };
         let mut best: Option<(usize, Tie, Overlap)> = None;
-        for (index, (ring, tie)) in self.chart.nominal(scene.survey, *first).enumerate() {
-            if ring.distance(*first) > within {
+        for (index, (ring, tie)) in self.chart.nominal(scene.survey, first).enumerate() {
+            if ring.distance(first) > within {
                 continue;
             }
-            let early = laid_out(ring, &late, within);
+            let early = laid_out(ring, index == 0, &late, within);
             let floor = Matrix3::from_diagonal(&Vector3::new(1e-5, 1e-5, 1e-6));
             let spread = scene.survey.relative(&tie, &begun) + floor;
             let Some(prior) = spread.try_inverse() else { continue };
@@ -82,20 +83,25 @@ impl Tour {
     }
 }
 
-fn extent(points: &[Point]) -> f64 {
-    let from = points.first().copied().unwrap_or_else(Point::origin);
-    points.iter().map(|p| (p - from).norm()).fold(0.0, f64::max)
+fn extent(seen: &[Seen]) -> f64 {
+    let from = seen.first().map_or_else(Point::origin, |first| first.at);
+    seen.iter().map(|seen| (seen.at - from).norm()).fold(0.0, f64::max)
 }
 
-/// The parts of `ring` within reach of `late`, as points.
-fn laid_out(ring: &Ring, late: &[Point], within: f64) -> Vec<Point> {
+/// The parts of `ring` within reach of `late`, as points; the floor lies inside the boundary, and
+/// outside everything else.
+fn laid_out(ring: &Ring, is_boundary: bool, late: &[Seen], within: f64) -> Vec<Seen> {
+    let side = if is_boundary { 1.0 } else { -1.0 };
     let reach = within + 0.3;
     ring.pieces
         .iter()
         .flat_map(|piece| {
             let count = (piece.length() / PITCH).ceil().max(1.0) as u32;
-            (0..count).map(move |k| piece.at((f64::from(k) + 0.5) / f64::from(count)))
+            (0..count).map(move |k| {
+                let t = (f64::from(k) + 0.5) / f64::from(count);
+                Seen { at: piece.at(t), towards: perp(piece.tangent(t)) * side }
+            })
         })
-        .filter(|p| late.iter().any(|q| (p - q).norm() < reach))
+        .filter(|p| late.iter().any(|q| (p.at - q.at).norm() < reach))
         .collect()
 }

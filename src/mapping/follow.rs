@@ -18,6 +18,7 @@ use super::wall::Wall;
 use crate::geometry::{Point, Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use roles::Roles;
+use std::collections::VecDeque;
 
 /// On which hand the wall is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -100,6 +101,8 @@ enum Doing {
     Stepping,
     /// Backing off after a bump.
     BackingOff,
+    /// Held between things: turning the back to where it came from, to leave by that way.
+    Leaving,
 }
 
 /// Follows one wall.
@@ -126,6 +129,10 @@ pub struct Follower {
     /// Where a gap was last found too narrow, and how often thereabouts.
     refused: Option<(Point, u32)>,
     squeezing: bool,
+    /// Where the robot came from, the latest last.
+    trail: VecDeque<Point>,
+    /// Where it was bumped last, and how often thereabouts.
+    bumped: Option<(Point, u32)>,
 }
 
 /// Out of a gap that is too narrow the robot backs this far, metres.
@@ -134,6 +141,13 @@ const BACK_OUT: f64 = 0.12;
 const SAME_GAP: f64 = 0.3;
 /// ... and no more than this often.
 const MOST_REFUSALS: u32 = 2;
+/// Bumps nearer to each other than this are in one place, metres; so many of them hold the robot there.
+const SAME_PLACE: f64 = 0.04;
+const MOST_BUMPS: u32 = 3;
+/// So many places that the robot came from are kept, and it leaves towards one no nearer than this,
+/// metres.
+const TRAIL: usize = 16;
+const WAY_OUT: f64 = 0.06;
 /// The body keeps this far off the walls when it has to squeeze out of a pocket, metres.
 const SQUEEZED: f64 = 0.02;
 /// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
@@ -167,6 +181,8 @@ impl Follower {
             body: chassis.radius,
             refused: None,
             squeezing: false,
+            trail: VecDeque::new(),
+            bumped: None,
         }
     }
 
@@ -198,10 +214,13 @@ impl Follower {
     /// The next motion; none when the robot is held on all sides.
     pub fn next(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         self.count_progress(rest.pose.position);
-        if matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled)
-            && self.doing != Doing::BackingOff
-        {
-            return Some(self.back_off());
+        if matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
+            if let Some(ask) = self.leave(rest) {
+                return Some(ask);
+            }
+            if self.doing != Doing::BackingOff {
+                return Some(self.back_off());
+            }
         }
         if self.doing != Doing::Looking {
             self.swept = None;
@@ -215,6 +234,7 @@ impl Follower {
             Doing::Facing(step) if rest.reason == DoneReason::Complete => {
                 Some(self.step(self.watched(step, rest.closed)))
             }
+            Doing::Leaving => Some(self.back_out()),
             // A turn that was cut short: the direction is chosen anew.
             Doing::Clearing | Doing::BackingOff | Doing::Facing(_) => self.face(wall, rest),
         }
@@ -225,6 +245,10 @@ impl Follower {
         if moved {
             self.stuck = 0;
             self.last_position = Some(position);
+            self.trail.push_back(position);
+            if self.trail.len() > TRAIL {
+                self.trail.pop_front();
+            }
         } else {
             self.stuck += 1;
         }
@@ -300,6 +324,31 @@ impl Follower {
         let times = before.map_or(0, |(_, times)| times) + 1;
         self.refused = Some((rest.pose.position, times));
         times <= MOST_REFUSALS
+    }
+
+    /// Bumped again and again in one place, the robot is held between things, and every step it thinks
+    /// free leads it against one of them. The way it came was free: it leaves by that, its back first,
+    /// where no bumper is held by what it touches.
+    fn leave(&mut self, rest: &AtRest) -> Option<Ask> {
+        let here = rest.pose.position;
+        let before = self.bumped.filter(|(at, _)| (at - here).norm() < SAME_PLACE);
+        let (at, times) = before.map_or((here, 1), |(at, times)| (at, times + 1));
+        self.bumped = Some((at, times));
+        if times < MOST_BUMPS {
+            return None;
+        }
+        let from = self.trail.iter().rev().find(|p| (*p - here).norm() > WAY_OUT)?;
+        let inward = angle::of(here - from);
+        self.bumped = None;
+        self.doing = Doing::Leaving;
+        Some(Ask {
+            motion: Motion::Turn {
+                angle: angle::wrap(inward - rest.pose.heading),
+                rate: f64::INFINITY,
+            },
+            guard: Guard::default(),
+            why: "held between things: leaving by the way it came",
+        })
     }
 
     fn back_out(&mut self) -> Ask {

@@ -267,6 +267,7 @@ impl Follower {
             }
             if Some(sensor) == self.roles.across && self.refuses(rest) {
                 wall.pull_in(sensor, self.body + BESIDE);
+                wall.leave_beyond(rest.pose);
                 return self.back_out();
             }
         }

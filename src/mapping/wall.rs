@@ -81,6 +81,8 @@ impl Sighting {
 const MEMORY: f64 = 2.0;
 /// Farther than this from the robot nothing matters for its next step, metres.
 const NEIGHBOURHOOD: f64 = 0.6;
+/// What lies farther ahead than this lies beyond where the robot turned back, metres.
+const BEYOND: f64 = 0.02;
 /// Edges of one switch nearer than this while turning are two crossings of one silhouette.
 const SILHOUETTE: f64 = 0.014;
 
@@ -381,6 +383,20 @@ impl Wall {
         }
         for index in moved {
             self.move_along_rim(index);
+        }
+    }
+
+    /// The robot, at `pose`, goes no farther into a gap: what it saw beyond keeps it off, but is no part
+    /// of the floor's outline. From the other side of the gap the same may be seen again, and an
+    /// outline through both would cross itself.
+    pub fn leave_beyond(&mut self, pose: Pose) {
+        let ahead = pose.direction();
+        for &index in &self.near {
+            let seen = &mut self.log[index];
+            let off = seen.point - pose.position;
+            if off.dot(&ahead) > BEYOND && off.norm() < NEIGHBOURHOOD && seen.sensor.is_some() {
+                seen.kind = ContactKind::Touch;
+            }
         }
     }
 

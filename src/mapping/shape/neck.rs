@@ -8,7 +8,7 @@
 use super::gap::Gap;
 use super::object::object_outline;
 use crate::geometry::simple::crossings;
-use crate::geometry::{Piece, Point, Ring};
+use crate::geometry::{Piece, Point, Ring, cross};
 use crate::mapping::map::{Contact, ContactKind};
 use crate::robot::Chassis;
 
@@ -86,8 +86,9 @@ pub(super) fn apart(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> V
     found
 }
 
-/// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends.
-fn is_chord(piece: &Piece, touched: &[Point], widest: f64) -> bool {
+/// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends from its
+/// `floor` side. What was seen from behind is the tip of something that the neck passes.
+fn is_chord(piece: &Piece, floor: Floor, touched: &[(Point, Point)], widest: f64) -> bool {
     let length = piece.length();
     if !matches!(piece, Piece::Line { .. }) || !(SHORTEST..widest).contains(&length) {
         return false;
@@ -95,9 +96,11 @@ fn is_chord(piece: &Piece, touched: &[Point], widest: f64) -> bool {
     let (from, to) = (piece.from(), piece.to());
     let along = (to - from) / length;
     let end = END.min(length / 4.0);
-    !touched.iter().any(|p| {
+    let left = if floor == Floor::Inside { 1.0 } else { -1.0 };
+    !touched.iter().any(|(p, seen_from)| {
         let s = along.dot(&(p - from));
-        (end..length - end).contains(&s) && piece.distance(*p) < SUPPORT
+        let behind = left * cross(along, seen_from - p) < 0.0;
+        (end..length - end).contains(&s) && piece.distance(*p) < SUPPORT && !behind
     })
 }
 
@@ -110,11 +113,11 @@ fn cut(
     chassis: &Chassis,
 ) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
-    let touched: Vec<Point> =
-        contacts.iter().filter(|c| c.kind != ContactKind::Edge).map(|c| c.point).collect();
+    let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
+    let touched: Vec<(Point, Point)> = surfaces.map(|c| (c.point, c.from)).collect();
     let widest = chassis.passable_gap();
     let chords: Vec<usize> =
-        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], &touched, widest)).collect();
+        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], floor, &touched, widest)).collect();
     let mut pairs = chords
         .iter()
         .enumerate()
@@ -180,7 +183,7 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
     let trimmed = |whole: &[Piece]| {
         let trims = (0..=2 * TRIMMED).flat_map(|sum| (0..=sum).map(move |m| (m, sum - m)));
         trims
-            .filter(|(m, n)| *m <= TRIMMED && *n <= TRIMMED && m + n + 3 <= whole.len())
+            .filter(|(m, n)| *m <= TRIMMED && *n <= TRIMMED && m + n < whole.len())
             .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()))
     };
     let rest = trimmed(&between(k, i))?;
@@ -188,7 +191,7 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
     let once = trimmed(&whole);
     if floor == Floor::Outside {
         let island = once?;
-        let sound = |ring: &Ring| ring.pieces.len() >= 3 && ring.area() > SMALLEST;
+        let sound = |ring: &Ring| ring.pieces.len() >= 2 && ring.area() > SMALLEST;
         let within = |one: &Ring, other: &Ring| other.contains(one.pieces[0].from());
         let two = sound(&rest) && sound(&island);
         return (two && !within(&rest, &island) && !within(&island, &rest))
@@ -196,7 +199,8 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
     }
     let island = once.or_else(|| one_round(&whole).and_then(closed))?;
     let area = island.area();
-    if island.pieces.len() < 3
+    // A column is one arc, closed where the neck was.
+    if island.pieces.len() < 2
         || rest.pieces.len() < 3
         || -area < SMALLEST
         || -area > LARGEST * rest.area()

@@ -4,7 +4,7 @@
 use super::reach::closing;
 use super::{RunRecord, boundary, closed_positions, position, rounded, surface_points};
 use crate::geometry::{Point, Pose};
-use crate::mapping::map::{LineReason, LineStatus, MappedObject, Phase, PlanLine};
+use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine};
 use crate::mapping::settings::Strategy;
 use serde_json::{Map, Value, json};
 
@@ -77,7 +77,7 @@ fn open(role: &str, points: &[Point], more: Value) -> Option<Value> {
 /// follow as a line.
 fn object(object: &MappedObject, radius: f64) -> Vec<Value> {
     let more = json!({ "id": object.id, "class": object.class, "closed": object.closed });
-    if object.closed {
+    if object.class != ObjectClass::Open {
         let Some(surface) = closed_positions(&object.outline) else { return Vec::new() };
         let kept_off = closing(&object.outline, radius).and_then(|ring| closed_positions(&ring));
         let Some(ring) = kept_off else {

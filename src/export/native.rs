@@ -162,7 +162,7 @@ impl MapFile {
                 .iter()
                 .map(|object| ObjectFile {
                     id: object.id,
-                    class: if object.closed { object.class } else { ObjectClass::Open },
+                    class: object.class,
                     outline: Outline::of(&object.outline),
                 })
                 .collect(),

@@ -139,7 +139,8 @@ impl Chart {
             .rings
             .iter()
             .filter_map(|charted| {
-                let foot = charted.shown.nearest_where(contact, |piece, t| faces(charted, piece, t))?;
+                let foot =
+                    charted.shown.nearest_where(contact, |piece, t| faces(charted, piece, t))?;
                 Some((charted, foot))
             })
             .min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))?;

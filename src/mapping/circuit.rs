@@ -149,6 +149,12 @@ impl Circuit {
         Self { drifts: Drifts::new(true), ..self }
     }
 
+    /// On which hand what is gone round is kept.
+    #[must_use]
+    pub fn side(&self) -> Side {
+        self.follower.side()
+    }
+
     /// Where the lap is judged from, once it has begun.
     #[must_use]
     pub fn first_anchor(&self) -> Option<&Anchor> {

@@ -201,6 +201,16 @@ pub enum EventKind {
         /// One standard deviation of its position beside the walls there, metres.
         sd: f64,
     },
+    /// The round has come to the boundary: the object is gone along the other way.
+    TurnedBack {
+        /// Its id.
+        id: u32,
+    },
+    /// An object was gone along from the boundary to the boundary: what is behind it is too narrow.
+    ObjectBehind {
+        /// Its id.
+        id: u32,
+    },
     /// An object is measured from what it stands beside.
     Tying {
         /// One standard deviation of the distance between the two so far, metres.

@@ -254,9 +254,10 @@ pub struct MappedObject {
     pub id: u32,
     /// What it looks like.
     pub class: ObjectClass,
-    /// Its surface, counter-clockwise; for an open one the chain of contacts closed by a chord.
+    /// Its surface, counter-clockwise; where it was not gone round, closed by a chord.
     pub outline: Ring,
-    /// Whether all 360 degrees were seen.
+    /// Whether all 360 degrees were seen. If not, it is open (its class says so), or hides its back
+    /// behind a gap that is too narrow.
     pub closed: bool,
     /// The contacts it was made of.
     pub contacts: Vec<Contact>,

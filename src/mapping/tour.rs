@@ -27,8 +27,8 @@ use crate::geometry::{Point, Pose, Ring, Vector};
 use crate::robot::Chassis;
 use drive::{Drive, Purpose, best_chord};
 use rounds::{Half, Pass, Round};
-use ties::{Shuttle, Span};
 use std::collections::VecDeque;
+use ties::{Shuttle, Span};
 
 /// A contact this near to something mapped belongs to it, metres: nothing that stands so near to
 /// it could be gone round for itself.

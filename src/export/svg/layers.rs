@@ -5,7 +5,7 @@ use super::super::strokes::{Anchor, Lettering, Style};
 use super::super::{RunRecord, boundary, rectangle, surface_points};
 use super::{Options, color};
 use crate::geometry::{Point, Pose};
-use crate::mapping::map::{LineReason, LineStatus, MappedObject, PlanLine, stretches};
+use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, PlanLine, stretches};
 use std::fmt::Write;
 
 const LABEL: Style = Style { height: 9.0, weight: 0.14, color: color::OBJECT_EDGE };
@@ -128,13 +128,15 @@ fn trajectory(record: &RunRecord<'_>, frame: &Frame) -> String {
 }
 
 fn solid(object: &MappedObject, frame: &Frame, letters: &mut Lettering) -> String {
-    if !object.closed {
+    if object.class == ObjectClass::Open {
         let points = object.outline.to_points(0.001);
         return stroke("object-open", &frame.line(points), color::OBJECT_EDGE, 1.8, "4 3");
     }
     let data = frame.ring(&object.outline);
+    // Its back, where it was not gone round, is a guess.
+    let dashes = if object.closed { "" } else { " stroke-dasharray=\"4 3\"" };
     let mut out = format!(
-        "<path d=\"{data}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"1.8\" \
+        "<path d=\"{data}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"1.8\"{dashes} \
          stroke-linejoin=\"round\"/>\n",
         color::OBJECT,
         color::OBJECT_EDGE

@@ -128,13 +128,42 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What became of an object that was met.
+fn objects(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    match kind {
+        EventKind::ObjectFound { id, by } => write!(f, "unknown object O{id} met ({by})"),
+        EventKind::ObjectClosed { id } => write!(f, "object O{id} closed"),
+        EventKind::ObjectHalf { id } => {
+            write!(f, "object O{id} passed on one side; the other follows on the way back")
+        }
+        EventKind::ObjectKnown { id } => {
+            write!(f, "object O{id} is one known already: the pose was put right by it")
+        }
+        EventKind::ObjectApart { id } => {
+            write!(f, "object O{id} stands apart, behind a gap too narrow to pass")
+        }
+        EventKind::TurnedBack { id } => {
+            write!(f, "no passage between object O{id} and the boundary: going the other way")
+        }
+        EventKind::ObjectBehind { id } => {
+            write!(f, "object O{id} seen from wall to wall; the gap behind it is too narrow")
+        }
+        EventKind::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
+        _ => Ok(()),
+    }
+}
+
 /// What is measured to know better where the robot and the objects are.
 fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     let millimetres = |sd: &f64| sd * 1e3;
     match kind {
         EventKind::Fixed { by } => write!(f, "pose corrected by {:.0} mm", millimetres(by)),
         EventKind::Bearings { sd } => {
-            write!(f, "position sure to {:.0} mm only: taking bearings in a corner", millimetres(sd))
+            write!(
+                f,
+                "position sure to {:.0} mm only: taking bearings in a corner",
+                millimetres(sd)
+            )
         }
         EventKind::Tying { sd } => write!(
             f,
@@ -185,19 +214,15 @@ impl fmt::Display for EventKind {
             Self::LineBegan { id, backwards: true } => write!(f, "line L{id} begins, from its end"),
             Self::LineDriven { id } => write!(f, "line L{id} driven"),
             Self::LineEnded { id, reason } => write!(f, "line L{id} ended: {reason}"),
-            Self::ObjectFound { id, by } => write!(f, "unknown object O{id} met ({by})"),
-            Self::ObjectClosed { id } => write!(f, "object O{id} closed"),
-            Self::ObjectHalf { id } => {
-                write!(f, "object O{id} passed on one side; the other follows on the way back")
-            }
-            Self::ObjectKnown { id } => {
-                write!(f, "object O{id} is one known already: the pose was put right by it")
-            }
+            Self::ObjectFound { .. }
+            | Self::ObjectClosed { .. }
+            | Self::ObjectHalf { .. }
+            | Self::ObjectKnown { .. }
+            | Self::ObjectApart { .. }
+            | Self::TurnedBack { .. }
+            | Self::ObjectBehind { .. }
+            | Self::ObjectOpen { .. } => objects(f, self),
             Self::Recognised { object, off } => recognised(f, *object, *off),
-            Self::ObjectApart { id } => {
-                write!(f, "object O{id} stands apart, behind a gap too narrow to pass")
-            }
-            Self::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
             Self::Carried
             | Self::BegunAnew { .. }
             | Self::PlaceFound { .. }

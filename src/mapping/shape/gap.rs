@@ -60,6 +60,9 @@ impl Gap {
         if self.is_closed() || width > chassis.passable_gap() {
             return false;
         }
+        if width > 2.0 * body + UNSURE {
+            return true;
+        }
         let deep = DEEPER * (wide - body);
         let far = body + width / 2.0 + deep;
         let near: Vec<&Piece> =

@@ -15,7 +15,7 @@ use crate::robot::Chassis;
 /// A contact this near to a chord speaks for it, metres ...
 const SUPPORT: f64 = 0.015;
 /// ... unless it is this near to its end, metres.
-const END: f64 = 0.03;
+const END: f64 = 0.045;
 /// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
 /// every purpose of the robot's.
 const SHORTEST: f64 = 0.05;

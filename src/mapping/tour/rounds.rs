@@ -23,6 +23,11 @@ const MATTERS: f64 = 0.003;
 /// Metres driven again after a round has closed, for its misclosure.
 const ROUND_OVERLAP: f64 = 0.25;
 
+/// Less than so many contacts off the boundary are no object of its own.
+const LEAST_SEEN: usize = 6;
+/// Contacts nearer to the boundary than this may be its own, metres.
+const BESIDE_BOUNDARY: f64 = 0.08;
+
 /// Contacts of a whole round were not seen from where the robot is at its end: each says little of
 /// its pose, metres.
 const ROUND_SD: f64 = 0.05;
@@ -57,8 +62,12 @@ impl Tour {
     }
 
     pub(super) fn round(&mut self, mut round: Round, scene: &mut Scene<'_>) -> Option<Ask> {
-        if self.is_at_boundary(&round.circuit) {
-            return self.left_open(round, Failure::WallLost, scene);
+        if self.is_at_boundary(&round) {
+            if round.ended_at_boundary {
+                return self.closed_by_boundary(round, scene);
+            }
+            scene.tell.push(EventKind::TurnedBack { id: round.id });
+            round.turn_back(&self.chassis, scene.tracker.travelled());
         }
         if self.recognise(&mut round, scene) {
             self.resume(round.drive);
@@ -112,11 +121,47 @@ impl Tour {
     }
 
     /// Whether the round has run on to the boundary: there is no passage between.
-    fn is_at_boundary(&self, circuit: &Circuit) -> bool {
-        let log = circuit.wall.log();
+    fn is_at_boundary(&self, round: &Round) -> bool {
+        let log = round.circuit.wall.log();
+        let off = |seen: &&Sighting| self.chart.outline().distance(seen.point);
+        // What is gone along backwards begins at the boundary: first back to where it was met.
+        let travelled = log.last().map_or(0.0, |seen| seen.travelled);
+        if round.ended_at_boundary && travelled < round.back_at {
+            return false;
+        }
         let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
-        recent.len() == 14
-            && recent.iter().all(|seen| self.chart.outline().distance(seen.point) < KNOWN)
+        recent.len() == 14 && recent.iter().all(|seen| off(seen) < KNOWN)
+    }
+
+    /// The object was gone along from the boundary to the boundary: what lies between them behind it is
+    /// a gap too narrow to pass, and its outline is closed by a straight line there.
+    fn closed_by_boundary(&mut self, round: Round, scene: &mut Scene<'_>) -> Option<Ask> {
+        let mut contacts: Vec<Contact> = round
+            .circuit
+            .wall
+            .surfaces()
+            .filter(|seen| self.chart.outline().distance(seen.point) > BESIDE_BOUNDARY)
+            .map(Sighting::contact)
+            .collect();
+        if contacts.len() < LEAST_SEEN {
+            return self.left_open(round, Failure::WallLost, scene);
+        }
+        if round.circuit.side() == Side::Right {
+            contacts.reverse();
+        }
+        let tie = here(scene);
+        if self.is_known(&contacts) {
+            scene.tell.push(EventKind::ObjectKnown { id: round.id });
+            self.resume(round.drive);
+            return None;
+        }
+        for thing in things(contacts, &self.chassis) {
+            let id = scene.map.objects.len() as u32 + 1;
+            self.record(MappedObject { closed: false, ..thing.numbered(id) }, tie, scene);
+            scene.tell.push(EventKind::ObjectBehind { id });
+        }
+        self.resume(round.drive);
+        None
     }
 
     fn left_open(&mut self, round: Round, why: Failure, scene: &mut Scene<'_>) -> Option<Ask> {
@@ -245,12 +290,38 @@ pub(super) struct Round {
     pub(super) compared: f64,
     /// Where it came back to its beginning, as far as it looks.
     back: Option<(Tie, Point)>,
+    /// It ran on to the boundary, and goes round the other way since; metres travelled when it is back
+    /// where it began, and has seen what it had seen.
+    ended_at_boundary: bool,
+    back_at: f64,
 }
 
 impl Round {
     fn new(chassis: &Chassis, side: Side, wall: Wall, drive: Box<Drive>, id: u32) -> Self {
         let circuit = Box::new(Circuit::new(chassis, side, wall, ROUND_OVERLAP));
-        Self { circuit, drive, id, begun: None, compared: 0.0, back: None }
+        Self {
+            circuit,
+            drive,
+            id,
+            begun: None,
+            compared: 0.0,
+            back: None,
+            ended_at_boundary: false,
+            back_at: 0.0,
+        }
+    }
+
+    /// Goes the other way from here, along what was seen last.
+    fn turn_back(&mut self, chassis: &Chassis, travelled: f64) {
+        let begun = self.circuit.wall.log().first().map_or(travelled, |seen| seen.travelled);
+        self.back_at = 2.0 * travelled - begun;
+        let mut wall = Wall::new(chassis);
+        for seen in self.circuit.wall.near() {
+            wall.adopt(*seen);
+        }
+        let side = self.circuit.side().other();
+        *self.circuit = Circuit::new(chassis, side, wall, ROUND_OVERLAP);
+        (self.begun, self.back, self.ended_at_boundary) = (None, None, true);
     }
 
     /// The line it interrupted.

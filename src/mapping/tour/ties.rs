@@ -71,7 +71,8 @@ impl Span {
     /// What going to and fro leaves of the variance of the distance, square metres.
     fn after(&self) -> f64 {
         // Strides of half a metre, each off by half a percent; a contact at either end.
-        let way = (0.005_f64 * 0.5).powi(2) * (self.length / 0.5).max(0.5) + 2.0 * SURE * SURE / 2.0;
+        let way =
+            (0.005_f64 * 0.5).powi(2) * (self.length / 0.5).max(0.5) + 2.0 * SURE * SURE / 2.0;
         let measured = way / f64::from(WAYS - 1);
         self.spread * measured / (self.spread + measured)
     }
@@ -191,8 +192,7 @@ impl Tour {
         let ahead = if shuttle.forwards { front } else { back };
         match reason {
             Some(DoneReason::Guard { sensor, rising: true }) => {
-                let seen =
-                    self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied();
+                let seen = self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied();
                 if self.fixed_by.is_none() || self.fixed_by != seen.map(|seen| seen.time_us) {
                     // Not what was to be measured: this leads nowhere.
                     return None;

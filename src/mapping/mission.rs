@@ -20,7 +20,7 @@ use super::survey::Survey;
 use super::tape::Tape;
 use super::tour::Tour;
 use super::trust::Trust;
-use super::wall::Wall;
+use super::wall::{Turning, Wall};
 use crate::robot::{Command, CommandId, DoneReason, Guard, Motion, SwitchSet};
 
 /// What the core wants done or told.
@@ -70,7 +70,7 @@ struct Lost {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Awaited {
     id: CommandId,
-    turning: bool,
+    turning: Turning,
 }
 
 /// A run.
@@ -338,7 +338,10 @@ impl Mission {
         };
         let command =
             Command { id: CommandId(self.next_id), motion, guard, time_limit: seconds * 1.5 + 2.0 };
-        let turning = matches!(motion, Motion::Turn { .. });
+        let turning = match motion {
+            Motion::Turn { angle, .. } => Turning::By(angle.signum()),
+            Motion::Move { .. } | Motion::Rest => Turning::No,
+        };
         self.awaited = Some(Awaited { id: command.id, turning });
         out.push(Output::Command(command, ask.why));
     }

@@ -5,14 +5,14 @@ use super::adjust::Adjustment;
 use super::circuit::{Circuit, Closure, Leg};
 use super::drift::Unwound;
 use super::event::{EventKind, Failure};
-use super::follow::{Ask, AtRest, STRIDE, Side};
+use super::follow::{self, Ask, AtRest, STRIDE, Side};
 use super::lay::Overlap;
-use super::map::{Contact, MappedObject, RoomMap};
+use super::map::{Contact, MappedObject, ObjectClass, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
 use super::settings::Settings;
-use super::shape::things;
-use super::wall::Wall;
+use super::shape::{Thing, post, things};
+use super::wall::{Sighting, Wall};
 use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use rand::{Rng, SeedableRng};
@@ -24,6 +24,8 @@ const MOST_TRIES: usize = 40;
 const OVERLAP: f64 = 1.0;
 /// A contact this near a known object belongs to it, metres.
 const SAME_OBJECT: f64 = 0.08;
+/// The way round a post is no longer than this many times the circle about it.
+const POST_ROUNDS: f64 = 1.3;
 
 /// What the search is doing.
 #[derive(Debug, Clone)]
@@ -294,7 +296,8 @@ impl Search {
         let since = closure.from.time_us;
         let adjustment = Adjustment::new(tracker, closure, overlap, since);
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
-        for (n, thing) in things(contacts, &self.chassis).into_iter().enumerate() {
+        let found = lap_things(&self.wall, closure, &adjustment, contacts, &self.chassis);
+        for (n, thing) in found.into_iter().enumerate() {
             let object = thing.numbered(map.objects.len() as u32 + 1);
             let id = object.id;
             map.objects.push(object);
@@ -309,11 +312,35 @@ fn side_of(chassis: &Chassis, sensor: usize) -> Side {
     if bearing < -0.5 && bearing > 0.1 - angle::PI { Side::Right } else { Side::Left }
 }
 
+/// The things that one lap, adjusted, went round; `contacts` are those of [`lap_contacts`]. A post is
+/// known by all that was seen of it rather than by contacts.
+#[must_use]
+pub fn lap_things(
+    wall: &Wall,
+    closure: &Closure,
+    adjustment: &Adjustment,
+    contacts: Vec<Contact>,
+    chassis: &Chassis,
+) -> Vec<Thing> {
+    let on_lap = |seen: &&Sighting| {
+        seen.travelled > closure.last_round - 0.02 && seen.travelled <= closure.to.travelled + 0.1
+    };
+    let around = 2.0 * angle::PI * (follow::clearance(chassis) + post::MOST_RADIUS);
+    if closure.length() < POST_ROUNDS * around {
+        let seen: Vec<Sighting> = wall.log().iter().filter(on_lap).copied().collect();
+        let place = |point, time_us| adjustment.place(point, time_us);
+        if let Some(outline) = post::post(&seen, chassis, place) {
+            return vec![Thing { outline, class: ObjectClass::Circle, contacts }];
+        }
+    }
+    things(contacts, chassis)
+}
+
 /// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to
 /// something else and is left out.
 #[must_use]
 pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Vec<Contact> {
-    let towards = |seen: &super::wall::Sighting| {
+    let towards = |seen: &Sighting| {
         let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
         seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
     };

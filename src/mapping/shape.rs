@@ -11,6 +11,7 @@ mod neck;
 mod object;
 mod order;
 mod pocket;
+pub mod post;
 mod rectangle;
 mod segment;
 mod split;

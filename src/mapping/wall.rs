@@ -31,6 +31,8 @@ pub struct Sighting {
     pub sensor: Option<usize>,
     /// Whether the switch closed.
     pub rising: bool,
+    /// Which way the robot turned the beam meanwhile: 1 counter-clockwise, -1 clockwise, 0 not at all.
+    pub swept: f64,
     /// Odometer when it was seen, metres driven.
     pub travelled: f64,
     /// Robot time, microseconds.
@@ -40,6 +42,17 @@ pub struct Sighting {
     /// How many places of the rim were ruled out before this one; of a touch, whose place the bumper
     /// does not tell.
     pub ruled_out: u8,
+}
+
+/// Whether the robot turned when something was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Turning {
+    /// On the spot: 1 counter-clockwise, -1 clockwise.
+    By(f64),
+    /// No: it moved.
+    No,
+    /// Nobody knows: no motion of its own was under way.
+    Unknown,
 }
 
 /// Where on the rim a touch may have been, in the order in which it is believed, as bearings towards
@@ -166,7 +179,13 @@ impl Wall {
 
     /// Takes one edge, seen from `pose`; `turning` tells which motion was under way. Returns it as
     /// it was judged.
-    pub fn observe(&mut self, edge: &Edge, pose: Pose, turning: bool, travelled: f64) -> Sighting {
+    pub fn observe(
+        &mut self,
+        edge: &Edge,
+        pose: Pose,
+        turning: Turning,
+        travelled: f64,
+    ) -> Sighting {
         let beam = pose.heading + self.beams.get(edge.sensor).copied().unwrap_or(0.0);
         let distance = if edge.rising { self.reach } else { self.reach + self.hysteresis };
         let mut seen = Sighting {
@@ -176,12 +195,13 @@ impl Wall {
             kind: ContactKind::Range,
             sensor: Some(edge.sensor),
             rising: edge.rising,
+            swept: if let Turning::By(sense) = turning { sense } else { 0.0 },
             travelled,
             time_us: edge.odometer.time_us,
             alive: true,
             ruled_out: 0,
         };
-        if turning {
+        if turning != Turning::No {
             self.judge_by_crossing(&mut seen);
         } else if !edge.rising {
             self.judge_by_prediction(&mut seen);
@@ -200,6 +220,7 @@ impl Wall {
             kind: ContactKind::Touch,
             sensor: None,
             rising: true,
+            swept: 0.0,
             travelled,
             time_us,
             alive: true,

@@ -6,6 +6,7 @@ use crate::mapping::event::EventKind;
 use crate::mapping::map::Phase;
 use crate::mapping::survey::Step;
 use crate::mapping::trust::{Defect, Doubted, Going};
+use crate::mapping::wall::Turning;
 use crate::robot::{DoneReason, Odometer, SwitchSet, Telemetry};
 
 impl Mission {
@@ -23,7 +24,7 @@ impl Mission {
                 if self.trust.out().has(edge.sensor) {
                     return;
                 }
-                let turning = self.awaited.is_none_or(|awaited| awaited.turning);
+                let turning = self.awaited.map_or(Turning::Unknown, |awaited| awaited.turning);
                 let travelled = self.tracker.travelled();
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
                 if let (Task::Tour(tour), Some(seen)) = (&mut self.task, seen)

@@ -11,9 +11,9 @@ use crate::mapping::follow::{Ask, Side};
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::passing::{Passing, Way};
-use crate::mapping::search::lap_contacts;
+use crate::mapping::search::{lap_contacts, lap_things};
 use crate::mapping::settings::Contour;
-use crate::mapping::shape::{object_outline, things};
+use crate::mapping::shape::{Thing, object_outline, things};
 use crate::mapping::survey::{Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
@@ -103,7 +103,9 @@ impl Tour {
                     self.resume(round.drive);
                     return None;
                 }
-                self.record_round(contacts, tie, scene);
+                let wall = &round.circuit.wall;
+                let found = lap_things(wall, &closure, &adjustment, contacts, &self.chassis);
+                self.record_round(found, tie, scene);
                 self.resume(round.drive);
                 None
             }
@@ -199,8 +201,8 @@ impl Tour {
     }
 
     /// Adds what a whole round went round to map and chart; it hangs on `tie`.
-    fn record_round(&mut self, contacts: Vec<Contact>, tie: Tie, scene: &mut Scene<'_>) {
-        for (n, thing) in things(contacts, &self.chassis).into_iter().enumerate() {
+    fn record_round(&mut self, found: Vec<Thing>, tie: Tie, scene: &mut Scene<'_>) {
+        for (n, thing) in found.into_iter().enumerate() {
             let id = scene.map.objects.len() as u32 + 1;
             self.record(thing.numbered(id), tie, scene);
             scene.tell.push(EventKind::gone_round(id, n == 0));
@@ -260,7 +262,7 @@ impl Tour {
                         contacts.reverse();
                     }
                     let tie = here(scene);
-                    self.record_round(contacts, tie, scene);
+                    self.record_round(things(contacts, &self.chassis), tie, scene);
                 } else {
                     self.halves.push((pass.drive.id, Half { side, contacts: seen }));
                     pass.drive.again = true;

@@ -46,6 +46,8 @@ const SHORTEST_LAP: f64 = 0.5;
 const ROUND_AT_LEAST: f64 = 0.3;
 /// Rounds of one lap are alike in length to this share.
 const ROUNDS_ALIKE: f64 = 0.03;
+/// ... and at the same places, to this share of a round.
+const SAME_ROUND: f64 = 0.1;
 /// No lap has as many rounds.
 const MOST_ROUNDS: f64 = 5.0;
 /// A lap longer than this will not close any more, metres.
@@ -329,9 +331,10 @@ impl Circuit {
     /// the round before, the robot came by the same places.
     fn last_round(&self, from: &Anchor, to: &Anchor) -> f64 {
         let lap = to.travelled - from.travelled;
-        let near = 0.25 + 0.004 * lap;
         let alike = |travelled: f64| {
             let round = to.travelled - travelled;
+            // Round a post every place is near every other.
+            let near = (0.25 + 0.004 * lap).min(SAME_ROUND * round);
             let rounds = lap / round.max(lap / MOST_ROUNDS);
             let count = rounds.round();
             let whole = (2.0..MOST_ROUNDS).contains(&count)

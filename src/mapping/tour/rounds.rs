@@ -202,7 +202,10 @@ impl Tour {
 
     /// Adds what a whole round went round to map and chart; it hangs on `tie`.
     fn record_round(&mut self, found: Vec<Thing>, tie: Tie, scene: &mut Scene<'_>) {
-        for (n, thing) in found.into_iter().enumerate() {
+        // Of two that stand close to each other one may be on the map already.
+        let fresh: Vec<Thing> =
+            found.into_iter().filter(|thing| !self.is_known(&thing.contacts)).collect();
+        for (n, thing) in fresh.into_iter().enumerate() {
             let id = scene.map.objects.len() as u32 + 1;
             self.record(thing.numbered(id), tie, scene);
             scene.tell.push(EventKind::gone_round(id, n == 0));

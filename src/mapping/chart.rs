@@ -82,7 +82,7 @@ impl Chart {
     }
 
     /// The objects as believed now, in the order of the map.
-    pub fn objects(&self) -> impl Iterator<Item = &Ring> {
+    pub fn objects(&self) -> impl Iterator<Item = &Ring> + Clone {
         self.rings[1..].iter().map(|charted| &charted.shown)
     }
 

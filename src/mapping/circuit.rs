@@ -22,7 +22,7 @@ use super::follow::{Ask, AtRest, Follower, Side};
 use super::lay::Overlap;
 use super::odometry::Tracker;
 use super::wall::{Sighting, Wall};
-use crate::geometry::{Point, Pose, angle, cross};
+use crate::geometry::{Point, Pose, Ring, angle, cross};
 use crate::robot::Chassis;
 use crossing::{Crossing, best};
 use std::borrow::Cow;
@@ -151,6 +151,14 @@ impl Circuit {
         Self { drifts: Drifts::new(true), ..self }
     }
 
+    /// The same where `known` things stand: a gap beside one of them is gone through as long as the body
+    /// fits, or the robot would go round that thing instead of what it follows.
+    #[must_use]
+    pub fn beside(mut self, known: Vec<Ring>) -> Self {
+        self.follower.beside(known);
+        self
+    }
+
     /// On which hand what is gone round is kept.
     #[must_use]
     pub fn side(&self) -> Side {
@@ -210,12 +218,32 @@ impl Circuit {
         if self.squeezing.is_some_and(out) {
             self.squeezing = None;
             self.follower.squeeze(false);
+        } else if visits >= ASTRAY && self.goes_round_outside(earliest) {
+            self.begin_anew(earliest);
+            return false;
         } else if self.squeezing.is_none() && visits >= ASTRAY {
             self.squeezing = Some(now.travelled);
             self.pocket = Some(Pocket::new(earliest, now.travelled));
             self.follower.squeeze(true);
         }
         visits >= LOST || now.travelled - first.travelled > LONGEST_LAP
+    }
+
+    /// Whether what was driven since the odometer told `travelled` metres leads round the outside of
+    /// something.
+    fn goes_round_outside(&self, travelled: f64) -> bool {
+        let since = self.trail.partition_point(|place| place.travelled < travelled);
+        let anchor = self.trail.get(since);
+        anchor.is_some_and(|anchor| self.sense(anchor) * self.follower.side().sign() > 0.0)
+    }
+
+    /// The robot left what it followed and goes round something else, of which there is no way back: it
+    /// is that which the lap goes round, since the odometer told `travelled` metres.
+    fn begin_anew(&mut self, travelled: f64) {
+        let begins = |place: &&Anchor| (0.0..BEGINNING).contains(&(place.travelled - travelled));
+        self.anchors = self.trail.iter().filter(begins).copied().collect();
+        self.passed.clear();
+        self.candidates.clear();
     }
 
     fn before_step(&mut self, tracker: &Tracker) {

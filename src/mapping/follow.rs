@@ -15,7 +15,7 @@ mod roles;
 use super::ahead::{Frontier, Rolling, Sweep};
 use super::map::ContactKind;
 use super::wall::Wall;
-use crate::geometry::{Point, Pose, angle};
+use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use roles::Roles;
 use std::collections::VecDeque;
@@ -129,6 +129,8 @@ pub struct Follower {
     /// Where a gap was last found too narrow, and how often thereabouts.
     refused: Option<(Point, u32)>,
     squeezing: bool,
+    /// Outlines of what stands about and is no part of the wall.
+    known: Vec<Ring>,
     /// Where the robot came from, the latest last.
     trail: VecDeque<Point>,
     /// Where it was bumped last, and how often thereabouts.
@@ -141,6 +143,8 @@ const BACK_OUT: f64 = 0.12;
 const SAME_GAP: f64 = 0.3;
 /// ... and no more than this often.
 const MOST_REFUSALS: u32 = 2;
+/// What is seen nearer than this to something known is of it, metres.
+const SAME_THING: f64 = 0.1;
 /// Bumps nearer to each other than this are in one place, metres; so many of them hold the robot there.
 const SAME_PLACE: f64 = 0.04;
 const MOST_BUMPS: u32 = 3;
@@ -181,6 +185,7 @@ impl Follower {
             body: chassis.radius,
             refused: None,
             squeezing: false,
+            known: Vec::new(),
             trail: VecDeque::new(),
             bumped: None,
         }
@@ -190,6 +195,11 @@ impl Follower {
     pub fn squeeze(&mut self, on: bool) {
         self.squeezing = on;
         self.rolling.radius = self.body + if on { SQUEEZED } else { self.gap };
+    }
+
+    /// What is `known` to stand about and to be no part of the wall makes no gap that is refused.
+    pub fn beside(&mut self, known: Vec<Ring>) {
+        self.known = known;
     }
 
     /// On which hand the wall is.
@@ -240,6 +250,14 @@ impl Follower {
         }
     }
 
+    /// Whether `sensor` has just seen something known.
+    fn is_known(&self, wall: &Wall, sensor: usize) -> bool {
+        let seen = wall.near().rev().find(|seen| seen.sensor == Some(sensor));
+        seen.is_some_and(|seen| {
+            self.known.iter().any(|ring| ring.distance(seen.point) < SAME_THING)
+        })
+    }
+
     fn count_progress(&mut self, position: Point) {
         let moved = self.last_position.is_none_or(|last| (last - position).norm() > 0.02);
         if moved {
@@ -265,7 +283,10 @@ impl Follower {
             if Some(sensor) == self.roles.front || Some(sensor) == self.roles.ahead {
                 return self.clear(sensor);
             }
-            if Some(sensor) == self.roles.across && self.refuses(rest) {
+            if Some(sensor) == self.roles.across
+                && !self.is_known(wall, sensor)
+                && self.refuses(rest)
+            {
                 wall.pull_in(sensor, self.body + BESIDE);
                 wall.leave_beyond(rest.pose);
                 return self.back_out();

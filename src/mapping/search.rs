@@ -11,7 +11,7 @@ use super::map::{Contact, MappedObject, ObjectClass, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
 use super::settings::Settings;
-use super::shape::{Thing, post, things};
+use super::shape::{Thing, is_mapped, post, things};
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
@@ -278,7 +278,8 @@ impl Search {
             Doing::Passing(Box::new(passing))
         } else {
             tell.push(EventKind::ContactGained { by });
-            let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP);
+            let known = map.objects.iter().map(|object| object.outline.clone()).collect();
+            let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).beside(known);
             let circuit = if self.any_drift { circuit.with_any_drift() } else { circuit };
             Doing::Lapping(Box::new(circuit))
         };
@@ -296,6 +297,11 @@ impl Search {
         let since = closure.from.time_us;
         let adjustment = Adjustment::new(tracker, closure, overlap, since);
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
+        if is_mapped(&contacts, &map.objects.iter().map(|object| &object.outline)) {
+            // It was met from another side, or led the robot off what it followed once more.
+            tell.push(EventKind::ObjectKnown { id: map.objects.len() as u32 + 1 });
+            return;
+        }
         let found = lap_things(&self.wall, closure, &adjustment, contacts, &self.chassis);
         for (n, thing) in found.into_iter().enumerate() {
             let object = thing.numbered(map.objects.len() as u32 + 1);

@@ -22,7 +22,7 @@ mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use neck::islands;
-pub use object::{Thing, class_of, object_outline, things};
+pub use object::{KNOWN, Thing, class_of, is_mapped, object_outline, things};
 
 use super::event::Failure;
 use super::map::{Contact, ContactKind};

@@ -21,6 +21,7 @@ use super::map::{ContactKind, LineReason, LineStatus, PlanLine, RoomMap};
 use super::odometry::Tracker;
 use super::passing::Passing;
 use super::settings::{Contour, Settings};
+use super::shape::KNOWN;
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, Vector};
@@ -30,14 +31,9 @@ use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 use ties::{Shuttle, Span};
 
-/// A contact this near to something mapped belongs to it, metres: nothing that stands so near to
-/// it could be gone round for itself.
-const KNOWN: f64 = 0.15;
 /// With a pose that is not sure, standard deviations of it, but no more metres than this.
 const DEVIATIONS: f64 = 2.5;
 const MOST_KNOWN: f64 = 0.5;
-/// What was gone round is something known when this share of its contacts lies on that.
-const SAME: f64 = 0.6;
 /// The centre keeps this beyond the body's radius from everything on a way, metres.
 const ROOM: f64 = 0.03;
 /// A way point counts as reached within this, metres.

@@ -137,7 +137,7 @@ fn objects(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             write!(f, "object O{id} passed on one side; the other follows on the way back")
         }
         EventKind::ObjectKnown { id } => {
-            write!(f, "object O{id} is one known already: the pose was put right by it")
+            write!(f, "object O{id} is one known already")
         }
         EventKind::ObjectApart { id } => {
             write!(f, "object O{id} stands apart, behind a gap too narrow to pass")

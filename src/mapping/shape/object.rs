@@ -87,6 +87,21 @@ pub fn things(contacts: Vec<Contact>, chassis: &Chassis) -> Vec<Thing> {
     things
 }
 
+/// A contact this near to something mapped belongs to it, metres: nothing that stands so near to it
+/// could be gone round for itself.
+pub const KNOWN: f64 = 0.15;
+/// What was gone round is something known when this share of its contacts lies on that.
+const SAME: f64 = 0.6;
+
+/// Whether what was seen is one of the `mapped` things, or several of them.
+pub fn is_mapped<'a>(
+    contacts: &[Contact],
+    mapped: &(impl Iterator<Item = &'a Ring> + Clone),
+) -> bool {
+    let on_map = contacts.iter().filter(|c| mapped.clone().any(|r| r.distance(c.point) < KNOWN));
+    on_map.count() as f64 > SAME * contacts.len() as f64
+}
+
 /// Root mean square distance of the contacts from the ring, metres.
 fn spread(ring: &Ring, contacts: &[Contact]) -> f64 {
     let touched = contacts.iter().filter(|c| c.kind != ContactKind::Edge);

@@ -2,7 +2,7 @@
 //! the way back on the other (paper III.F).
 
 use super::drive::Drive;
-use super::{Doing, KNOWN, MOST_LEFT_OPEN, SAME, Scene, Tour};
+use super::{Doing, MOST_LEFT_OPEN, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
 use crate::mapping::adjust::Adjustment;
 use crate::mapping::circuit::{Circuit, Leg};
@@ -13,7 +13,7 @@ use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectC
 use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::{lap_contacts, lap_things};
 use crate::mapping::settings::Contour;
-use crate::mapping::shape::{Thing, object_outline, things};
+use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, things};
 use crate::mapping::survey::{Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
@@ -116,10 +116,7 @@ impl Tour {
 
     /// Whether what was gone round is on the map already.
     fn is_known(&self, contacts: &[Contact]) -> bool {
-        let on_map = contacts
-            .iter()
-            .filter(|c| self.chart.objects().any(|ring| ring.distance(c.point) < KNOWN));
-        on_map.count() as f64 > SAME * contacts.len() as f64
+        is_mapped(contacts, &self.chart.objects())
     }
 
     /// Whether the round has run on to the boundary: there is no passage between.

@@ -123,6 +123,8 @@ pub struct Circuit {
     squeezing: Option<f64>,
     /// The rounds that were driven in vain before that.
     pocket: Option<Pocket>,
+    /// It goes round something else than it began with.
+    anew: bool,
 }
 
 impl Circuit {
@@ -142,6 +144,7 @@ impl Circuit {
             trail: Vec::new(),
             squeezing: None,
             pocket: None,
+            anew: false,
         }
     }
 
@@ -185,6 +188,10 @@ impl Circuit {
         }
         for index in (0..self.candidates.len()).rev() {
             match self.look_into(index, tracker) {
+                // What the robot was led astray by is a thing, or it is in a pocket after all.
+                Verdict::Closed(closure, _) if self.anew && !closure.is_extrinsic() => {
+                    self.passed.push(self.candidates.remove(index).wound.1);
+                }
                 Verdict::Closed(closure, overlap) => return Leg::Closed(closure, overlap),
                 Verdict::Another => self.passed.push(self.candidates.remove(index).wound.1),
                 Verdict::More => {}
@@ -218,32 +225,32 @@ impl Circuit {
         if self.squeezing.is_some_and(out) {
             self.squeezing = None;
             self.follower.squeeze(false);
-        } else if visits >= ASTRAY && self.goes_round_outside(earliest) {
-            self.begin_anew(earliest);
-            return false;
         } else if self.squeezing.is_none() && visits >= ASTRAY {
             self.squeezing = Some(now.travelled);
             self.pocket = Some(Pocket::new(earliest, now.travelled));
             self.follower.squeeze(true);
         }
-        visits >= LOST || now.travelled - first.travelled > LONGEST_LAP
+        let lost = visits >= LOST;
+        let too_long = now.travelled - first.travelled > LONGEST_LAP;
+        if lost && !self.anew {
+            self.begin_anew();
+            return false;
+        }
+        lost || too_long
     }
 
-    /// Whether what was driven since the odometer told `travelled` metres leads round the outside of
-    /// something.
-    fn goes_round_outside(&self, travelled: f64) -> bool {
-        let since = self.trail.partition_point(|place| place.travelled < travelled);
-        let anchor = self.trail.get(since);
-        anchor.is_some_and(|anchor| self.sense(anchor) * self.follower.side().sign() > 0.0)
-    }
-
-    /// The robot left what it followed and goes round something else, of which there is no way back: it
-    /// is that which the lap goes round, since the odometer told `travelled` metres.
-    fn begin_anew(&mut self, travelled: f64) {
-        let begins = |place: &&Anchor| (0.0..BEGINNING).contains(&(place.travelled - travelled));
-        self.anchors = self.trail.iter().filter(begins).copied().collect();
+    /// The robot left what it followed and goes round something else, of which there is no way back: from
+    /// here on the lap is one round that.
+    fn begin_anew(&mut self) {
+        self.anew = true;
+        self.anchors.clear();
         self.passed.clear();
         self.candidates.clear();
+        self.trail.clear();
+        self.previous = None;
+        self.pocket = None;
+        self.squeezing = None;
+        self.follower.squeeze(false);
     }
 
     fn before_step(&mut self, tracker: &Tracker) {

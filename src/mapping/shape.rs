@@ -7,6 +7,7 @@ mod circle;
 mod classify;
 mod corner;
 mod gap;
+mod island;
 mod neck;
 mod object;
 mod order;
@@ -21,6 +22,7 @@ mod testing;
 mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
+pub use island::enclosed;
 pub use neck::islands;
 pub use object::{KNOWN, Thing, class_of, is_mapped, object_outline, things};
 

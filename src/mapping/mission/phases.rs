@@ -188,9 +188,11 @@ impl Mission {
     }
 
     pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
-        let fitted = self.fitted_outline().and_then(|outline| {
-            if self.straighten(&outline) { self.fitted_outline() } else { Ok(outline) }
-        });
+        let mut fitted = self.straight_outline();
+        let sound = fitted.as_ref().is_ok_and(|outline| self.encloses_the_lap(outline));
+        if !sound && self.take_out_enclosed(out) {
+            fitted = self.straight_outline();
+        }
         let outline = match fitted.and_then(|outline| self.lay_tape(outline, out)) {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
@@ -209,6 +211,26 @@ impl Mission {
         self.phase = Phase::Plan;
         self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
         self.task = Task::Plan;
+    }
+
+    /// The outline after its own smooth walls have straightened the lap.
+    fn straight_outline(&mut self) -> Result<Ring, Failure> {
+        let outline = self.fitted_outline()?;
+        if self.straighten(&outline) { self.fitted_outline() } else { Ok(outline) }
+    }
+
+    /// Makes objects of what the lap went round within the room; false when there is nothing.
+    fn take_out_enclosed(&mut self, out: &mut Vec<Output>) -> bool {
+        let found = shape::enclosed(&self.map.contacts);
+        for contacts in &found {
+            let id = self.map.objects.len() as u32 + 1;
+            self.map.contacts.retain(|contact| !contacts.contains(contact));
+            let (outline, class) = shape::object_outline(contacts, true);
+            let contacts = contacts.clone();
+            self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
+            self.tell(EventKind::ObjectApart { id }, out);
+        }
+        !found.is_empty()
     }
 
     /// Whether most of the robot's way lies within `outline`: one that leaves it out is not where it

@@ -22,7 +22,7 @@ mod testing;
 mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
-pub use island::enclosed;
+pub use island::{Enclosed, enclosed};
 pub use neck::islands;
 pub use object::{KNOWN, Thing, class_of, is_mapped, object_outline, things};
 

@@ -12,7 +12,7 @@ use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, MappedObject, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::search::{Next, Search, lap_contacts};
-use crate::mapping::shape;
+use crate::mapping::shape::{self, Enclosed};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
 use crate::mapping::tour::{Scene, Tour};
@@ -221,16 +221,18 @@ impl Mission {
 
     /// Makes objects of what the lap went round within the room; false when there is nothing.
     fn take_out_enclosed(&mut self, out: &mut Vec<Output>) -> bool {
-        let found = shape::enclosed(&self.map.contacts);
-        for contacts in &found {
+        let Enclosed { things, wall } = shape::enclosed(&self.map.contacts);
+        if things.is_empty() {
+            return false;
+        }
+        self.map.contacts = wall;
+        for contacts in things {
             let id = self.map.objects.len() as u32 + 1;
-            self.map.contacts.retain(|contact| !contacts.contains(contact));
-            let (outline, class) = shape::object_outline(contacts, true);
-            let contacts = contacts.clone();
+            let (outline, class) = shape::object_outline(&contacts, true);
             self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
             self.tell(EventKind::ObjectApart { id }, out);
         }
-        !found.is_empty()
+        true
     }
 
     /// Whether most of the robot's way lies within `outline`: one that leaves it out is not where it

@@ -67,6 +67,9 @@ impl Tour {
                 return self.closed_by_boundary(round, scene);
             }
             scene.tell.push(EventKind::TurnedBack { id: round.id });
+            let off =
+                |seen: &&Sighting| seen.alive && self.chart.outline().distance(seen.point) > KNOWN;
+            round.seen_before = round.circuit.wall.log().iter().filter(off).count();
             round.turn_back(&self.chassis, scene.tracker.travelled());
         }
         if self.recognise(&mut round, scene) {
@@ -142,7 +145,13 @@ impl Tour {
             .filter(|seen| self.chart.outline().distance(seen.point) > BESIDE_BOUNDARY)
             .map(Sighting::contact)
             .collect();
-        if contacts.len() < LEAST_SEEN {
+        // Led along the boundary instead of back, it has not seen the object again.
+        let off =
+            |seen: &&Sighting| seen.alive && self.chart.outline().distance(seen.point) > KNOWN;
+        let again = |seen: &&Sighting| off(seen) && seen.travelled > round.turned_at;
+        let log = round.circuit.wall.log();
+        let seen_again = log.iter().filter(again).count();
+        if seen_again < LEAST_SEEN.max(round.seen_before / 2) {
             return self.left_open(round, Failure::WallLost, scene);
         }
         if round.circuit.side() == Side::Right {
@@ -296,6 +305,9 @@ pub(super) struct Round {
     /// where it began, and has seen what it had seen.
     ended_at_boundary: bool,
     back_at: f64,
+    /// Metres travelled when it turned, and how many contacts of the object there were by then.
+    turned_at: f64,
+    seen_before: usize,
 }
 
 impl Round {
@@ -310,6 +322,8 @@ impl Round {
             back: None,
             ended_at_boundary: false,
             back_at: 0.0,
+            turned_at: 0.0,
+            seen_before: 0,
         }
     }
 
@@ -317,6 +331,7 @@ impl Round {
     fn turn_back(&mut self, chassis: &Chassis, travelled: f64) {
         let begun = self.circuit.wall.log().first().map_or(travelled, |seen| seen.travelled);
         self.back_at = 2.0 * travelled - begun;
+        self.turned_at = travelled;
         let mut wall = Wall::new(chassis);
         for seen in self.circuit.wall.near() {
             wall.adopt(*seen);

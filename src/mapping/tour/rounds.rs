@@ -151,7 +151,8 @@ impl Tour {
         let again = |seen: &&Sighting| off(seen) && seen.travelled > round.turned_at;
         let log = round.circuit.wall.log();
         let seen_again = log.iter().filter(again).count();
-        if seen_again < LEAST_SEEN.max(round.seen_before / 2) {
+        let missed = seen_again < LEAST_SEEN.max(round.seen_before / 2);
+        if missed || !self.hides_behind(&contacts) {
             return self.left_open(round, Failure::WallLost, scene);
         }
         if round.circuit.side() == Side::Right {
@@ -170,6 +171,19 @@ impl Tour {
         }
         self.resume(round.drive);
         None
+    }
+
+    /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
+    /// last of them straight to the first, the boundary is always near, and nowhere between were they far
+    /// apart. Where the pose is lost, what was followed may have been the boundary itself.
+    fn hides_behind(&self, contacts: &[Contact]) -> bool {
+        let gap = self.chassis.passable_gap();
+        let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
+        let near = |p: Point| self.chart.outline().distance(p) < gap + BESIDE_BOUNDARY;
+        let behind = last.point - first.point;
+        let steps = (behind.norm() / 0.02).ceil().max(1.0);
+        (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
+            && contacts.windows(2).all(|two| (two[1].point - two[0].point).norm() < gap)
     }
 
     fn left_open(&mut self, round: Round, why: Failure, scene: &mut Scene<'_>) -> Option<Ask> {

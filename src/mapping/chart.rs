@@ -13,6 +13,9 @@ use crate::geometry::{Piece, Point, Ring, perp};
 const NEIGHBOURHOOD: f64 = 0.12;
 /// Nearer to the end of a piece than this its normal says nothing, metres.
 const CORNER: f64 = 0.04;
+/// No farther behind the nearest surface than this is the one that was seen, metres: both are faces of
+/// something thin.
+const THIN: f64 = 0.04;
 /// What is seen from more askance than this (cosine) is not of the surface.
 const LEAST_INCIDENCE: f64 = 0.5;
 
@@ -146,7 +149,9 @@ impl Chart {
             .min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))?;
         let piece = charted.shown.pieces[foot.piece];
         let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
-        if foot.distance > within || from_corner < CORNER {
+        let off = |charted: &Charted| charted.shown.distance(contact);
+        let nearest = self.rings.iter().map(off).fold(f64::INFINITY, f64::min);
+        if foot.distance > within || foot.distance > nearest + THIN || from_corner < CORNER {
             return None;
         }
         let normal = perp(piece.tangent(foot.t));

@@ -160,9 +160,9 @@ impl Tour {
         }
         let tie = here(scene);
         if self.is_known(&contacts) {
+            // It leads nowhere to go round it once more.
             scene.tell.push(EventKind::ObjectKnown { id: round.id });
-            self.resume(round.drive);
-            return None;
+            return self.go_on(round.drive, scene);
         }
         for thing in things(contacts, &self.chassis) {
             let id = scene.map.objects.len() as u32 + 1;
@@ -207,7 +207,11 @@ impl Tour {
             let tie = here(scene);
             self.record(object, tie, scene);
         }
-        let mut drive = round.drive;
+        self.go_on(round.drive, scene)
+    }
+
+    /// On along the line past what could not be gone round, but not for ever.
+    fn go_on(&mut self, mut drive: Box<Drive>, scene: &mut Scene<'_>) -> Option<Ask> {
         drive.left_open += 1;
         if drive.left_open >= MOST_LEFT_OPEN {
             let why = Some(LineReason::ObjectOnLine);

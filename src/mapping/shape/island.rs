@@ -1,0 +1,113 @@
+//! What a lap went round on the way although it stands apart: from both sides of a gap that it did not
+//! pass, the robot saw the same stretch of wall, and the contacts, joined in order, cross themselves
+//! there. Counted with their sense (every place as often as the line goes round it), they enclose the
+//! floor, and leave out what stands in it.
+
+use crate::geometry::{Point, Ring};
+use crate::mapping::map::{Contact, ContactKind};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::float::simplify::SimplifyShape;
+
+/// Nothing smaller is taken for a thing, square metres: contacts that came in the wrong order leave
+/// such holes.
+const SMALLEST: f64 = 4e-3;
+/// Contacts of a thing lie within it, or no farther off it than this, metres.
+const BESIDE: f64 = 0.03;
+/// A thing has at least so many contacts of its own.
+const FEWEST: usize = 8;
+
+/// Contacts this near to the wall may be its own, metres.
+const OF_WALL: f64 = 0.02;
+
+/// What a lap went round.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Enclosed {
+    /// The contacts of each thing within the room.
+    pub things: Vec<Vec<Contact>>,
+    /// Those of the wall.
+    pub wall: Vec<Contact>,
+}
+
+/// The things that the `contacts` of a lap go round within the room, apart from its wall; none when they
+/// go round none. In the order of time: what was driven round and round is what is looked for.
+#[must_use]
+pub fn enclosed(contacts: &[Contact]) -> Enclosed {
+    let surfaces: Vec<&Contact> =
+        contacts.iter().filter(|contact| contact.kind != ContactKind::Edge).collect();
+    let points: Vec<Point> = surfaces.iter().map(|contact| contact.point).collect();
+    let mut line: Vec<[f64; 2]> = points.iter().map(|p| [p.x, p.y]).collect();
+    if Ring::polygon(&points).area() < 0.0 {
+        line.reverse();
+    }
+    let ring = |contour: &Vec<[f64; 2]>| {
+        let points: Vec<Point> = contour.iter().map(|&[x, y]| Point::new(x, y)).collect();
+        Ring::polygon(&points)
+    };
+    let shapes = line.simplify_shape_as::<i64>(FillRule::Positive);
+    let parts = shapes.iter().map(|shape| shape.iter().map(ring).collect::<Vec<Ring>>());
+    let area = |part: &[Ring]| part.first().map_or(0.0, |outer| outer.area().abs());
+    let Some(room) = parts.max_by(|a, b| area(a).total_cmp(&area(b))) else {
+        return Enclosed::default();
+    };
+    let Some((outer, holes)) = room.split_first() else { return Enclosed::default() };
+    let holes = holes.iter().filter(|hole| hole.area().abs() > SMALLEST);
+    let things: Vec<Vec<Contact>> = holes
+        .map(|hole| {
+            let of_it = |p: Point| hole.contains(p) || hole.distance(p) < BESIDE;
+            let own =
+                |c: &&&Contact| of_it(c.point) && hole.distance(c.point) < outer.distance(c.point);
+            surfaces.iter().filter(own).map(|contact| **contact).collect::<Vec<Contact>>()
+        })
+        .filter(|own| own.len() >= FEWEST)
+        .collect();
+    let of_thing = |contact: &Contact| things.iter().any(|own| own.contains(contact));
+    let of_wall = |c: &&Contact| outer.distance(c.point) < OF_WALL && !of_thing(c);
+    let wall = contacts.iter().filter(of_wall).copied().collect();
+    Enclosed { things, wall }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Contacts every 5 cm along `corners`, the floor on the left.
+    fn along(corners: &[(f64, f64)]) -> Vec<Contact> {
+        let corners: Vec<Point> = corners.iter().map(|&(x, y)| Point::new(x, y)).collect();
+        let mut contacts = Vec::new();
+        for two in corners.windows(2) {
+            let (way, count) = (two[1] - two[0], ((two[1] - two[0]).norm() / 0.05).ceil());
+            let left = crate::geometry::perp(way).normalize() * 0.15;
+            contacts.extend((0..count as u32).map(|k| {
+                let point = two[0] + way * (f64::from(k) / count);
+                Contact {
+                    point,
+                    from: point + left,
+                    sensor: Some(2),
+                    kind: ContactKind::Range,
+                    time: 0.0,
+                }
+            }));
+        }
+        contacts
+    }
+
+    #[test]
+    fn a_box_whose_gap_was_seen_from_both_sides_stands_apart() {
+        // Along the lower wall to x = 2.1, round a box that stands 0.25 m off it, and on from x = 1.9.
+        let mut contacts = along(&[(0.0, 0.0), (2.1, 0.0)]);
+        let around = [(2.0, 0.25), (1.7, 0.55), (2.0, 0.85), (2.3, 0.55), (2.0, 0.25)];
+        contacts.extend(along(&around));
+        contacts.extend(along(&[(1.9, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)]));
+        let apart = enclosed(&contacts).things;
+        assert_eq!(apart.len(), 1, "{apart:?}");
+        assert!(apart[0].iter().all(|c| c.point.y > 0.2 && c.point.y < 0.9));
+        assert!(apart[0].len() > 20, "{}", apart[0].len());
+    }
+
+    #[test]
+    fn a_plain_room_has_nothing_in_it() {
+        let walls = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)];
+        assert!(enclosed(&along(&walls)).things.is_empty());
+        assert!(enclosed(&[]).things.is_empty());
+    }
+}

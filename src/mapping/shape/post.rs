@@ -128,7 +128,8 @@ mod tests {
     fn glances(radius: f64) -> Vec<Glance> {
         (0..12)
             .flat_map(|k| {
-                let from = Point::new(2.0, 1.0) + angle::unit(f64::from(k) * 0.5236) * 0.17;
+                let from =
+                    Point::new(2.0, 1.0) + angle::unit(f64::from(k) * angle::TAU / 12.0) * 0.17;
                 let to = angle::of(Point::new(2.0, 1.0) - from);
                 let half = angle::asin(radius / 0.17);
                 [1.0, -1.0].map(|side| Glance {

@@ -1,0 +1,114 @@
+//! Rooms in which things stand awkwardly: a gap that the robot passes on one side only and that would
+//! keep it going round the thing behind it for ever; a thing seen past from both sides of a gap; a post
+//! thinner than a beam is sure to meet; a wedge that holds the body on both sides.
+
+mod common;
+
+use periplus::geometry::{Point, Ring, ring};
+use periplus::mapping::map::Phase;
+use periplus::mapping::settings::Settings;
+use periplus::simulator::{NoiseProfile, World};
+
+const LED_ASTRAY: &str = r#"
+name = "a box near the wall leads the lap off"
+start = { x = -3.734, y = 0.746, heading = 14.9 }
+[boundary]
+vertices = [[-3.074, 5.897], [-5.162, 4.990], [-5.998, 2.873], [-5.091, 0.785], [-2.974, -0.050], [-0.885, 0.856], [-0.050, 2.974], [-0.957, 5.062]]
+[[objects]]
+name = "U0"
+vertices = [[-2.193, 4.613], [-2.765, 5.273], [-3.293, 4.815], [-3.217, 4.728], [-2.777, 5.110], [-2.357, 4.625], [-2.797, 4.243], [-2.721, 4.156]]
+[[objects]]
+name = "box1"
+vertices = [[-4.904, 2.766], [-5.206, 3.100], [-5.607, 2.738], [-5.305, 2.404]]
+[[objects]]
+name = "box2"
+vertices = [[-4.311, 4.516], [-3.815, 3.730], [-3.113, 4.173], [-3.609, 4.959]]
+"#;
+
+const SEEN_PAST: &str = r#"
+name = "a box seen past from both sides of its gap"
+start = { x = 1.194, y = 2.318, heading = 85.8 }
+[boundary]
+circle = { center = [1.968, 1.968], radius = 1.968 }
+[[objects]]
+name = "box0"
+vertices = [[0.938, 1.337], [1.011, 1.911], [0.454, 1.982], [0.381, 1.408]]
+"#;
+
+const POST: &str = r#"
+name = "a post and a star near the wall"
+start = { x = 3.558, y = 1.744, heading = 251.8 }
+[boundary]
+vertices = [[0.000, 0.000], [4.703, 0.000], [4.703, 4.793], [0.000, 4.793]]
+[[objects]]
+name = "star0"
+vertices = [[3.575, 3.580], [3.874, 3.457], [3.941, 3.142], [4.150, 3.387], [4.471, 3.355], [4.302, 3.629], [4.432, 3.924], [4.119, 3.848], [3.879, 4.063], [3.854, 3.742]]
+[[objects]]
+name = "col1"
+circle = { center = [3.927, 1.441], radius = 0.036 }
+"#;
+
+const WEDGE: &str = r#"
+name = "a wedge between a wall and the arm of a U"
+start = { x = -0.976, y = -3.411, heading = 88.6 }
+[boundary]
+vertices = [[0.000, 0.000], [-1.653, -3.658], [2.212, -5.405], [2.708, -4.308], [0.833, -3.460], [1.494, -1.997], [3.369, -2.845], [3.865, -1.747]]
+[[objects]]
+name = "col0"
+circle = { center = [0.791, -3.773], radius = 0.258 }
+[[objects]]
+name = "U1"
+vertices = [[1.072, -1.534], [1.732, -1.409], [1.632, -0.881], [1.520, -0.902], [1.598, -1.318], [1.163, -1.400], [1.085, -0.984], [0.972, -1.005]]
+[[objects]]
+name = "box2"
+vertices = [[0.091, -2.400], [-0.604, -2.566], [-0.464, -3.151], [0.231, -2.985]]
+[[objects]]
+name = "wall3"
+vertices = [[1.509, -1.649], [2.245, -2.270], [2.260, -2.253], [1.523, -1.632]]
+[[objects]]
+name = "L4"
+vertices = [[0.118, -1.018], [-0.577, -1.489], [-0.507, -1.592], [0.085, -1.191], [0.486, -1.784], [0.589, -1.715]]
+"#;
+
+fn centre(ring: &Ring) -> Option<Point> {
+    ring::bounds(&ring.to_points(0.001)).map(|(low, high)| nalgebra::center(&low, &high))
+}
+
+/// Maps `world` without noise; the things of `names` have to be on the map where they are and as large
+/// as they are.
+fn finds(world: &str, names: &[&str]) {
+    let world = World::from_toml(world, "room", 0.1).expect("a world");
+    let settings = Settings::new(world.start);
+    let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Objects);
+    let room = map.shape.as_ref().expect("a boundary").outline.area();
+    assert!(room > 5.0, "{room} square metres");
+    for name in names {
+        let object =
+            world.objects.iter().find(|object| object.name == *name).expect("in the world");
+        let (at, area) = (centre(&object.ring), object.ring.area());
+        let off = |ring: &Ring| centre(ring).zip(at).map(|(a, b)| (a - b).norm());
+        let found = map.objects.iter().find(|o| off(&o.outline).is_some_and(|off| off < 0.02));
+        let share = found.unwrap_or_else(|| panic!("no {name}")).outline.area() / area;
+        assert!((0.9..1.1).contains(&share), "{name} is {share}");
+    }
+}
+
+#[test]
+fn a_lap_that_is_led_off_the_wall_maps_what_led_it_and_finds_the_wall_again() {
+    finds(LED_ASTRAY, &["box1"]);
+}
+
+#[test]
+fn a_thing_that_was_seen_past_from_both_sides_stands_apart() {
+    finds(SEEN_PAST, &["box0"]);
+}
+
+#[test]
+fn a_post_is_as_thick_as_it_is() {
+    finds(POST, &["col1"]);
+}
+
+#[test]
+fn a_robot_that_is_held_between_things_gets_out_again() {
+    finds(WEDGE, &["box2"]);
+}

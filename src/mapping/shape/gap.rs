@@ -1,7 +1,8 @@
 //! Whether what lies between two things is floor, when the robot does not pass between them: if the
 //! body, led by the follower from either side and a little deeper, sweeps a place of the gap from
 //! both, nothing joins the two there. Two corners near each other are told from two walls side by
-//! side like that. Knows two outlines and the body, not where the robot drove.
+//! side like that. Where the body fits between, nothing joins them anywhere. Knows two outlines and the
+//! body, not where the robot drove.
 
 use crate::geometry::raster::Grid;
 use crate::geometry::{Piece, Point, Ring, perp};

@@ -1,9 +1,8 @@
 //! Things that stand so near to each other that the robot could not pass between: it went round them
 //! as one, and the outline joins them by two chords across the gap, which nobody has touched. A
 //! thing that only such chords join to the wall is an object of its own, and two objects joined
-//! like that are two; that the gap is too narrow to pass does not make it solid. Where they stand
-//! side by side, so that the body cannot sweep what lies between, they are one obstacle
-//! ([`super::gap`]).
+//! like that are two; that the gap is too narrow to pass does not make it solid. Where the body would
+//! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]).
 
 use super::gap::Gap;
 use super::object::object_outline;
@@ -277,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_box_whose_side_runs_along_the_wall_is_one_obstacle_with_it() {
-        let side_on = joined(&[(1.8, 0.28), (1.8, 0.68), (2.2, 0.68), (2.2, 0.28)], 0.28);
+        let side_on = joined(&[(1.8, 0.18), (1.8, 0.58), (2.2, 0.58), (2.2, 0.18)], 0.18);
         let (rest, found) = islands(side_on.clone(), &[contact(1.0, 0.0)], &Chassis::default());
         assert!(found.is_empty());
         assert_eq!(rest, side_on);

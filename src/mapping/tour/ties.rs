@@ -38,7 +38,7 @@ const SAME_PLACE: f64 = 0.15;
 /// So many of the most promising places have their way looked for.
 const TRIED: usize = 6;
 /// Ties at most, for each object.
-const MOST_FOR_EACH: usize = 6;
+const MOST_FOR_EACH: usize = 4;
 /// How far beyond where a face should be the robot goes in search of it, metres.
 const BEYOND: f64 = 0.05;
 

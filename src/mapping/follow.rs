@@ -10,6 +10,7 @@
 //!
 //! Owns no pose and no contacts; it is told both. Knows nothing of laps or maps.
 
+mod held;
 mod roles;
 
 use super::ahead::{Frontier, Rolling, Sweep};
@@ -17,8 +18,8 @@ use super::map::ContactKind;
 use super::wall::Wall;
 use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+use held::Held;
 use roles::Roles;
-use std::collections::VecDeque;
 
 /// On which hand the wall is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -117,8 +118,7 @@ pub struct Follower {
     stride: f64,
     gap: f64,
     frontier: Option<Frontier>,
-    stuck: u32,
-    last_position: Option<Point>,
+    held: Held,
     rolling: Rolling,
     /// Bearing and reach of the switch that looks ahead of the wall.
     ahead: Option<(f64, f64)>,
@@ -126,32 +126,15 @@ pub struct Follower {
     looked_from: f64,
     swept: Option<Sweep>,
     body: f64,
-    /// Where a gap was last found too narrow, and how often thereabouts.
-    refused: Option<(Point, u32)>,
     squeezing: bool,
     /// Outlines of what stands about and is no part of the wall.
     known: Vec<Ring>,
-    /// Where the robot came from, the latest last.
-    trail: VecDeque<Point>,
-    /// Where it was bumped last, and how often thereabouts.
-    bumped: Option<(Point, u32)>,
 }
 
 /// Out of a gap that is too narrow the robot backs this far, metres.
 const BACK_OUT: f64 = 0.12;
-/// A gap found too narrow nearer than this is the same, metres ...
-const SAME_GAP: f64 = 0.3;
-/// ... and no more than this often.
-const MOST_REFUSALS: u32 = 2;
 /// What is seen nearer than this to something known is of it, metres.
 const SAME_THING: f64 = 0.1;
-/// Bumps nearer to each other than this are in one place, metres; so many of them hold the robot there.
-const SAME_PLACE: f64 = 0.04;
-const MOST_BUMPS: u32 = 3;
-/// So many places that the robot came from are kept, and it leaves towards one no nearer than this,
-/// metres.
-const TRAIL: usize = 16;
-const WAY_OUT: f64 = 0.06;
 /// The body keeps this far off the walls when it has to squeeze out of a pocket, metres.
 const SQUEEZED: f64 = 0.02;
 /// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
@@ -179,15 +162,11 @@ impl Follower {
             stride: SHORTEST_STRIDE,
             gap,
             frontier: None,
-            stuck: 0,
-            last_position: None,
+            held: Held::default(),
             rolling: Rolling { side, radius: chassis.radius + gap, least: chassis.radius + 0.012 },
             body: chassis.radius,
-            refused: None,
             squeezing: false,
             known: Vec::new(),
-            trail: VecDeque::new(),
-            bumped: None,
         }
     }
 
@@ -218,12 +197,12 @@ impl Follower {
     /// Whether the robot has gone nowhere for long.
     #[must_use]
     pub fn is_stuck(&self) -> bool {
-        self.stuck > 40
+        self.held.is_stuck()
     }
 
     /// The next motion; none when the robot is held on all sides.
     pub fn next(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
-        self.count_progress(rest.pose.position);
+        self.held.rests(rest.pose.position);
         if matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
             if let Some(ask) = self.leave(rest) {
                 return Some(ask);
@@ -244,7 +223,7 @@ impl Follower {
             Doing::Facing(step) if rest.reason == DoneReason::Complete => {
                 Some(self.step(self.watched(step, rest.closed)))
             }
-            Doing::Leaving => Some(self.back_out()),
+            Doing::Leaving => Some(self.back_out("held between things: backing out")),
             // A turn that was cut short: the direction is chosen anew.
             Doing::Clearing | Doing::BackingOff | Doing::Facing(_) => self.face(wall, rest),
         }
@@ -256,20 +235,6 @@ impl Follower {
         seen.is_some_and(|seen| {
             self.known.iter().any(|ring| ring.distance(seen.point) < SAME_THING)
         })
-    }
-
-    fn count_progress(&mut self, position: Point) {
-        let moved = self.last_position.is_none_or(|last| (last - position).norm() > 0.02);
-        if moved {
-            self.stuck = 0;
-            self.last_position = Some(position);
-            self.trail.push_back(position);
-            if self.trail.len() > TRAIL {
-                self.trail.pop_front();
-            }
-        } else {
-            self.stuck += 1;
-        }
     }
 
     fn after_step(&mut self, wall: &mut Wall, rest: &AtRest) -> Ask {
@@ -289,7 +254,7 @@ impl Follower {
             {
                 wall.pull_in(sensor, self.body + BESIDE);
                 wall.leave_beyond(rest.pose);
-                return self.back_out();
+                return self.back_out("too narrow between two things: backing out");
             }
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {
@@ -342,10 +307,7 @@ impl Follower {
         if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
             return false;
         }
-        let before = self.refused.filter(|(at, _)| (at - rest.pose.position).norm() < SAME_GAP);
-        let times = before.map_or(0, |(_, times)| times) + 1;
-        self.refused = Some((rest.pose.position, times));
-        times <= MOST_REFUSALS
+        self.held.refuses(rest.pose.position)
     }
 
     /// Bumped again and again in one place, the robot is held between things, and every step it thinks
@@ -353,15 +315,7 @@ impl Follower {
     /// where no bumper is held by what it touches.
     fn leave(&mut self, rest: &AtRest) -> Option<Ask> {
         let here = rest.pose.position;
-        let before = self.bumped.filter(|(at, _)| (at - here).norm() < SAME_PLACE);
-        let (at, times) = before.map_or((here, 1), |(at, times)| (at, times + 1));
-        self.bumped = Some((at, times));
-        if times < MOST_BUMPS {
-            return None;
-        }
-        let from = self.trail.iter().rev().find(|p| (*p - here).norm() > WAY_OUT)?;
-        let inward = angle::of(here - from);
-        self.bumped = None;
+        let inward = angle::of(here - self.held.bump(here)?);
         self.doing = Doing::Leaving;
         Some(Ask {
             motion: Motion::Turn {
@@ -373,13 +327,13 @@ impl Follower {
         })
     }
 
-    fn back_out(&mut self) -> Ask {
+    fn back_out(&mut self, why: &'static str) -> Ask {
         self.doing = Doing::BackingOff;
         self.stride = SHORTEST_STRIDE;
         Ask {
             motion: Motion::Move { distance: -BACK_OUT, speed: f64::INFINITY },
             guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
-            why: "too narrow between two things: backing out",
+            why,
         }
     }
 

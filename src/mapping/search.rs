@@ -299,7 +299,11 @@ impl Search {
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
         if is_mapped(&contacts, &map.objects.iter().map(|object| &object.outline)) {
             // It was met from another side, or led the robot off what it followed once more.
-            tell.push(EventKind::ObjectKnown { id: map.objects.len() as u32 + 1 });
+            let off = |object: &&MappedObject| -> f64 {
+                contacts.iter().map(|contact| object.outline.distance(contact.point)).sum()
+            };
+            let nearest = map.objects.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            tell.extend(nearest.map(|object| EventKind::ObjectKnown { id: object.id }));
             return;
         }
         let found = lap_things(&self.wall, closure, &adjustment, contacts, &self.chassis);
@@ -328,12 +332,10 @@ pub fn lap_things(
     contacts: Vec<Contact>,
     chassis: &Chassis,
 ) -> Vec<Thing> {
-    let on_lap = |seen: &&Sighting| {
-        seen.travelled > closure.last_round - 0.02 && seen.travelled <= closure.to.travelled + 0.1
-    };
     let around = 2.0 * angle::PI * (follow::clearance(chassis) + post::MOST_RADIUS);
     if closure.length() < POST_ROUNDS * around {
-        let seen: Vec<Sighting> = wall.log().iter().filter(on_lap).copied().collect();
+        let seen: Vec<Sighting> =
+            wall.log().iter().filter(|seen| closure.holds(seen.travelled)).copied().collect();
         let place = |point, time_us| adjustment.place(point, time_us);
         if let Some(outline) = post::post(&seen, chassis, place) {
             return vec![Thing { outline, class: ObjectClass::Circle, contacts }];
@@ -353,11 +355,7 @@ pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> 
     let mut contacts: Vec<Contact> = wall
         .surfaces()
         .filter(|seen| towards(seen))
-        .filter(|seen| {
-            seen.travelled > closure.last_round - 0.02
-                && seen.travelled <= closure.to.travelled + 0.1
-                && !closure.pocket.is_some_and(|pocket| pocket.holds(seen.travelled))
-        })
+        .filter(|seen| closure.holds(seen.travelled))
         .map(|seen| {
             let mut contact = seen.contact();
             contact.point = adjustment.place(contact.point, seen.time_us);

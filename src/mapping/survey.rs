@@ -18,6 +18,7 @@ mod sight;
 mod tests;
 
 pub use balance::Step;
+pub use motion::STRIDE_SHARE;
 pub use sight::{Look, Surface};
 
 use crate::geometry::{Point, Pose, Vector, angle, perp};

@@ -4,11 +4,13 @@
 //! What is met is one of three things: near the boundary, and the robot carries on; a known
 //! object, and it goes round to the line again; an unknown one, which is gone round and recorded.
 //! Every touch of something mapped corrects the pose. When all lines are driven, what they could
-//! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps.
+//! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps. Last
+//! come the ties: objects that are not known well enough are measured from what they stand beside.
 
 mod bearings;
 mod drive;
 mod line;
+mod no_passage;
 mod recognise;
 mod rounds;
 mod ties;

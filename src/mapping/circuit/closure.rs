@@ -6,6 +6,10 @@ use crate::mapping::drift::Unwound;
 use crate::mapping::follow::Side;
 use crate::mapping::odometry::Tracker;
 
+/// So much before it begins, and beyond its end, still is of a lap, metres.
+const BEFORE: f64 = 0.02;
+const BEYOND: f64 = 0.1;
+
 /// A place early in the lap at which it may close.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
@@ -88,6 +92,15 @@ impl Closure {
     #[must_use]
     pub fn length(&self) -> f64 {
         self.to.travelled - self.from.travelled
+    }
+
+    /// Whether what was seen after `travelled` metres was seen on the lap, in its last round, and not in a
+    /// pocket.
+    #[must_use]
+    pub fn holds(&self, travelled: f64) -> bool {
+        travelled > self.last_round - BEFORE
+            && travelled <= self.to.travelled + BEYOND
+            && !self.pocket.is_some_and(|pocket| pocket.holds(travelled))
     }
 
     /// Whether the robot went round the outside: it turned towards the wall in all.

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 const HEADING_WALK: f64 = 1.0e-3;
 
 /// What a straight drive is off by, as a share of it, each by itself: how the floor takes the wheels.
-const STRIDE: f64 = 0.005;
+pub const STRIDE_SHARE: f64 = 0.005;
 /// What the wheels lose on the way besides, by slips, metres per root metre.
 const ALONG: f64 = 0.0015;
 /// What the robot is put off to the side by more than its heading explains, likewise.
@@ -128,7 +128,7 @@ impl Survey {
         self.lags = true;
         let (moved, seconds) = (onward.moved, step.seconds);
         let length = step.length();
-        let along = STRIDE * STRIDE * step.strides() + ALONG * ALONG * length;
+        let along = STRIDE_SHARE * STRIDE_SHARE * step.strides() + ALONG * ALONG * length;
         let along = if length > 0.0 { along / (length * length) } else { 0.0 };
         let aside = ASIDE * ASIDE * length;
         let walk = HEADING_WALK * HEADING_WALK * self.grip.walk() * seconds;

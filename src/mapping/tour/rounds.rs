@@ -2,6 +2,7 @@
 //! the way back on the other (paper III.F).
 
 use super::drive::Drive;
+use super::no_passage::Reversed;
 use super::{Doing, MOST_LEFT_OPEN, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
 use crate::mapping::adjust::Adjustment;
@@ -22,11 +23,6 @@ use crate::robot::Chassis;
 const MATTERS: f64 = 0.003;
 /// Metres driven again after a round has closed, for its misclosure.
 const ROUND_OVERLAP: f64 = 0.25;
-
-/// Less than so many contacts off the boundary are no object of its own.
-const LEAST_SEEN: usize = 6;
-/// Contacts nearer to the boundary than this may be its own, metres.
-const BESIDE_BOUNDARY: f64 = 0.08;
 
 /// Contacts of a whole round were not seen from where the robot is at its end: each says little of
 /// its pose, metres.
@@ -63,14 +59,10 @@ impl Tour {
 
     pub(super) fn round(&mut self, mut round: Round, scene: &mut Scene<'_>) -> Option<Ask> {
         if self.is_at_boundary(&round) {
-            if round.ended_at_boundary {
+            if round.reversed.is_some() {
                 return self.closed_by_boundary(round, scene);
             }
-            scene.tell.push(EventKind::TurnedBack { id: round.id });
-            let off =
-                |seen: &&Sighting| seen.alive && self.chart.outline().distance(seen.point) > KNOWN;
-            round.seen_before = round.circuit.wall.log().iter().filter(off).count();
-            round.turn_back(&self.chassis, scene.tracker.travelled());
+            self.reverse(&mut round, scene);
         }
         if self.recognise(&mut round, scene) {
             self.resume(round.drive);
@@ -118,82 +110,18 @@ impl Tour {
     }
 
     /// Whether what was gone round is on the map already.
-    fn is_known(&self, contacts: &[Contact]) -> bool {
+    pub(super) fn is_known(&self, contacts: &[Contact]) -> bool {
         is_mapped(contacts, &self.chart.objects())
     }
 
-    /// Whether the round has run on to the boundary: there is no passage between.
-    fn is_at_boundary(&self, round: &Round) -> bool {
-        let log = round.circuit.wall.log();
-        let off = |seen: &&Sighting| self.chart.outline().distance(seen.point);
-        // What is gone along backwards begins at the boundary: first back to where it was met.
-        let travelled = log.last().map_or(0.0, |seen| seen.travelled);
-        if round.ended_at_boundary && travelled < round.back_at {
-            return false;
-        }
-        let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(14).collect();
-        recent.len() == 14 && recent.iter().all(|seen| off(seen) < KNOWN)
-    }
-
-    /// The object was gone along from the boundary to the boundary: what lies between them behind it is
-    /// a gap too narrow to pass, and its outline is closed by a straight line there.
-    fn closed_by_boundary(&mut self, round: Round, scene: &mut Scene<'_>) -> Option<Ask> {
-        let mut contacts: Vec<Contact> = round
-            .circuit
-            .wall
-            .surfaces()
-            .filter(|seen| self.chart.outline().distance(seen.point) > BESIDE_BOUNDARY)
-            .map(Sighting::contact)
-            .collect();
-        // Led along the boundary instead of back, it has not seen the object again.
-        let off =
-            |seen: &&Sighting| seen.alive && self.chart.outline().distance(seen.point) > KNOWN;
-        let again = |seen: &&Sighting| off(seen) && seen.travelled > round.turned_at;
-        let log = round.circuit.wall.log();
-        let seen_again = log.iter().filter(again).count();
-        let missed = seen_again < LEAST_SEEN.max(round.seen_before / 2);
-        if missed || !self.hides_behind(&contacts) {
-            return self.left_open(round, Failure::WallLost, scene);
-        }
-        if round.circuit.side() == Side::Right {
-            contacts.reverse();
-        }
-        let tie = here(scene);
-        if self.is_known(&contacts) {
-            // It leads nowhere to go round it once more.
-            scene.tell.push(EventKind::ObjectKnown { id: round.id });
-            return self.go_on(round.drive, scene);
-        }
-        for thing in things(contacts, &self.chassis) {
-            let id = scene.map.objects.len() as u32 + 1;
-            self.record(MappedObject { closed: false, ..thing.numbered(id) }, tie, scene);
-            scene.tell.push(EventKind::ObjectBehind { id });
-        }
-        self.resume(round.drive);
-        None
-    }
-
-    /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
-    /// last of them straight to the first, the boundary is always near, and nowhere between were they far
-    /// apart. Where the pose is lost, what was followed may have been the boundary itself.
-    fn hides_behind(&self, contacts: &[Contact]) -> bool {
-        let gap = self.chassis.passable_gap();
-        let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
-        let near = |p: Point| self.chart.outline().distance(p) < gap + BESIDE_BOUNDARY;
-        let behind = last.point - first.point;
-        let steps = (behind.norm() / 0.02).ceil().max(1.0);
-        (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
-            && contacts.windows(2).all(|two| (two[1].point - two[0].point).norm() < gap)
-    }
-
-    fn left_open(&mut self, round: Round, why: Failure, scene: &mut Scene<'_>) -> Option<Ask> {
-        let contacts: Vec<_> = round
-            .circuit
-            .wall
-            .surfaces()
-            .filter(|seen| self.chart.outline().distance(seen.point) > KNOWN)
-            .map(Sighting::contact)
-            .collect();
+    pub(super) fn left_open(
+        &mut self,
+        round: Round,
+        why: Failure,
+        scene: &mut Scene<'_>,
+    ) -> Option<Ask> {
+        let off = round.circuit.wall.surfaces().filter(|seen| self.is_off_boundary(seen, KNOWN));
+        let contacts: Vec<Contact> = off.map(Sighting::contact).collect();
         scene.tell.push(EventKind::ObjectOpen { id: round.id, why });
         if contacts.len() >= 3 {
             let (outline, _) = object_outline(&contacts, false);
@@ -211,7 +139,7 @@ impl Tour {
     }
 
     /// On along the line past what could not be gone round, but not for ever.
-    fn go_on(&mut self, mut drive: Box<Drive>, scene: &mut Scene<'_>) -> Option<Ask> {
+    pub(super) fn go_on(&mut self, mut drive: Box<Drive>, scene: &mut Scene<'_>) -> Option<Ask> {
         drive.left_open += 1;
         if drive.left_open >= MOST_LEFT_OPEN {
             let why = Some(LineReason::ObjectOnLine);
@@ -237,7 +165,7 @@ impl Tour {
     }
 
     /// Adds an object to map and chart; it hangs on `tie`.
-    fn record(&mut self, object: MappedObject, tie: Tie, scene: &mut Scene<'_>) {
+    pub(super) fn record(&mut self, object: MappedObject, tie: Tie, scene: &mut Scene<'_>) {
         self.chart.add(&object, tie);
         scene.map.objects.push(object);
     }
@@ -250,7 +178,7 @@ impl Tour {
         }
     }
 
-    fn resume(&mut self, mut drive: Box<Drive>) {
+    pub(super) fn resume(&mut self, mut drive: Box<Drive>) {
         self.floor = None;
         self.wall.clear();
         drive.way.clear();
@@ -303,7 +231,7 @@ impl Tour {
 }
 
 /// The pose of now, kept in the survey for what hangs on it.
-fn here(scene: &mut Scene<'_>) -> Tie {
+pub(super) fn here(scene: &mut Scene<'_>) -> Tie {
     scene.survey.mark(scene.tracker.pose().position, scene.tracker.time_us())
 }
 
@@ -318,45 +246,21 @@ pub(super) struct Round {
     /// Metres travelled when what it goes round was last compared with the map.
     pub(super) compared: f64,
     /// Where it came back to its beginning, as far as it looks.
-    back: Option<(Tie, Point)>,
-    /// It ran on to the boundary, and goes round the other way since; metres travelled when it is back
-    /// where it began, and has seen what it had seen.
-    ended_at_boundary: bool,
-    back_at: f64,
-    /// Metres travelled when it turned, and how many contacts of the object there were by then.
-    turned_at: f64,
-    seen_before: usize,
+    pub(super) back: Option<(Tie, Point)>,
+    /// It ran on to the boundary, and goes round the other way since.
+    pub(super) reversed: Option<Reversed>,
 }
 
 impl Round {
-    fn new(chassis: &Chassis, side: Side, wall: Wall, drive: Box<Drive>, id: u32) -> Self {
+    pub(super) fn new(
+        chassis: &Chassis,
+        side: Side,
+        wall: Wall,
+        drive: Box<Drive>,
+        id: u32,
+    ) -> Self {
         let circuit = Box::new(Circuit::new(chassis, side, wall, ROUND_OVERLAP));
-        Self {
-            circuit,
-            drive,
-            id,
-            begun: None,
-            compared: 0.0,
-            back: None,
-            ended_at_boundary: false,
-            back_at: 0.0,
-            turned_at: 0.0,
-            seen_before: 0,
-        }
-    }
-
-    /// Goes the other way from here, along what was seen last.
-    fn turn_back(&mut self, chassis: &Chassis, travelled: f64) {
-        let begun = self.circuit.wall.log().first().map_or(travelled, |seen| seen.travelled);
-        self.back_at = 2.0 * travelled - begun;
-        self.turned_at = travelled;
-        let mut wall = Wall::new(chassis);
-        for seen in self.circuit.wall.near() {
-            wall.adopt(*seen);
-        }
-        let side = self.circuit.side().other();
-        *self.circuit = Circuit::new(chassis, side, wall, ROUND_OVERLAP);
-        (self.begun, self.back, self.ended_at_boundary) = (None, None, true);
+        Self { circuit, drive, id, begun: None, compared: 0.0, back: None, reversed: None }
     }
 
     /// The line it interrupted.

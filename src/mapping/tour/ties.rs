@@ -15,8 +15,8 @@ use crate::mapping::chart::Chart;
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, STRIDE};
-use crate::mapping::survey::Survey;
-use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
+use crate::mapping::survey::{STRIDE_SHARE, Survey};
+use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 
 /// A face that is known to this beside what it looks at (one standard deviation across it, metres) is
 /// known well enough: a contact is hardly better.
@@ -39,6 +39,8 @@ const SAME_PLACE: f64 = 0.15;
 const TRIED: usize = 6;
 /// Ties at most, for each object.
 const MOST_FOR_EACH: usize = 4;
+/// A switch looks straight ahead, or back, within this, radians.
+const STRAIGHT: f64 = 0.05;
 /// How far beyond where a face should be the robot goes in search of it, metres.
 const BEYOND: f64 = 0.05;
 
@@ -70,17 +72,12 @@ pub(super) struct Shuttle {
 impl Span {
     /// What going to and fro leaves of the variance of the distance, square metres.
     fn after(&self) -> f64 {
-        // Strides of half a metre, each off by half a percent; a contact at either end.
-        let way =
-            (0.005_f64 * 0.5).powi(2) * (self.length / 0.5).max(0.5) + 2.0 * SURE * SURE / 2.0;
+        // Strides that are off each by itself, and a contact at either end.
+        let strides = (self.length / STRIDE).max(0.5);
+        let way = (STRIDE_SHARE * STRIDE).powi(2) * strides + SURE * SURE;
         let measured = way / f64::from(WAYS - 1);
         self.spread * measured / (self.spread + measured)
     }
-}
-
-/// The switch that looks along `bearing`, if there is one.
-fn looking(chassis: &Chassis, bearing: f64) -> Option<usize> {
-    chassis.sensors.iter().position(|mount| angle::wrap(mount.angle - bearing).abs() < 0.05)
 }
 
 /// The spans between the objects' faces and what they look at.
@@ -133,11 +130,16 @@ fn span(
 }
 
 impl Tour {
+    /// The switches that look straight ahead and straight back, if there are both.
+    fn front_and_back(&self) -> Option<(usize, usize)> {
+        let towards = |bearing: f64| self.chassis.sensor_towards(bearing, STRAIGHT);
+        towards(0.0).zip(towards(angle::PI))
+    }
+
     /// A drive to where an object is to be measured from what it stands beside; none when all of them
     /// are known well enough, or cannot be measured better.
     pub(super) fn tie(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
-        looking(&self.chassis, 0.0)?;
-        looking(&self.chassis, angle::PI)?;
+        self.front_and_back()?;
         let objects = self.chart.objects().count();
         if self.tied.len() >= MOST_FOR_EACH * objects {
             return None;
@@ -188,7 +190,7 @@ impl Tour {
         scene: &mut Scene<'_>,
     ) -> Option<Ask> {
         let pose = scene.rest.pose;
-        let (front, back) = (looking(&self.chassis, 0.0)?, looking(&self.chassis, angle::PI)?);
+        let (front, back) = self.front_and_back()?;
         let ahead = if shuttle.forwards { front } else { back };
         match reason {
             Some(DoneReason::Guard { sensor, rising: true }) => {

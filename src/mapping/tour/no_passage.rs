@@ -1,0 +1,128 @@
+//! A round that runs on to the boundary: there is no passage between that and what it goes round. It is
+//! gone along the other way as well, and is what was seen from wall to wall.
+
+use super::rounds::{Round, here};
+use super::{Scene, Tour};
+use crate::geometry::Point;
+use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::follow::{Ask, Side};
+use crate::mapping::map::{Contact, MappedObject};
+use crate::mapping::shape::{KNOWN, things};
+use crate::mapping::wall::{Sighting, Wall};
+use crate::robot::Chassis;
+
+/// So many contacts of the boundary in a row, and it is the boundary that is followed.
+const SURELY: usize = 14;
+/// Less than so many contacts off the boundary are no object of its own.
+const LEAST_SEEN: usize = 6;
+/// Contacts nearer to the boundary than this may be its own, metres.
+const BESIDE_BOUNDARY: f64 = 0.08;
+/// What is hidden behind an object is looked at in steps of this, metres.
+const STEP: f64 = 0.02;
+
+/// What a round that was reversed at the boundary had come to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reversed {
+    /// Metres travelled when it turned ...
+    at: f64,
+    /// ... and when it is back where it began, and has seen what it had seen.
+    back_at: f64,
+    /// How many contacts of the object there were when it turned.
+    seen: usize,
+}
+
+impl Tour {
+    /// Whether `seen` is farther than `reach` metres from the boundary.
+    pub(super) fn is_off_boundary(&self, seen: &Sighting, reach: f64) -> bool {
+        self.chart.outline().distance(seen.point) > reach
+    }
+
+    /// How many contacts off the boundary a round has made since it had driven `travelled` metres.
+    fn seen_since(&self, round: &Round, travelled: f64) -> usize {
+        let log = round.circuit.wall.log().iter();
+        let of_it = |seen: &&Sighting| seen.alive && self.is_off_boundary(seen, KNOWN);
+        log.filter(|seen| seen.travelled > travelled).filter(of_it).count()
+    }
+
+    /// Whether the round has run on to the boundary: there is no passage between.
+    pub(super) fn is_at_boundary(&self, round: &Round) -> bool {
+        let log = round.circuit.wall.log();
+        // What is gone along backwards begins at the boundary: first back to where it was met.
+        let travelled = log.last().map_or(0.0, |seen| seen.travelled);
+        if round.reversed.is_some_and(|reversed| travelled < reversed.back_at) {
+            return false;
+        }
+        let recent: Vec<&Sighting> = log.iter().rev().filter(|s| s.alive).take(SURELY).collect();
+        recent.len() == SURELY && recent.iter().all(|seen| !self.is_off_boundary(seen, KNOWN))
+    }
+
+    /// Goes round the other way from here, along what was seen last.
+    pub(super) fn reverse(&self, round: &mut Round, scene: &mut Scene<'_>) {
+        scene.tell.push(EventKind::TurnedBack { id: round.id });
+        let seen = self.seen_since(round, f64::NEG_INFINITY);
+        let at = scene.tracker.travelled();
+        let begun = round.circuit.wall.log().first().map_or(at, |seen| seen.travelled);
+        round.turn_back(&self.chassis, Reversed { at, back_at: 2.0 * at - begun, seen });
+    }
+
+    /// The object was gone along from the boundary to the boundary: what lies between them behind it is
+    /// a gap too narrow to pass, and its outline is closed by a straight line there.
+    pub(super) fn closed_by_boundary(
+        &mut self,
+        round: Round,
+        scene: &mut Scene<'_>,
+    ) -> Option<Ask> {
+        let of_it = |seen: &&Sighting| self.is_off_boundary(seen, BESIDE_BOUNDARY);
+        let surfaces = round.circuit.wall.surfaces().filter(of_it);
+        let mut contacts: Vec<Contact> = surfaces.map(Sighting::contact).collect();
+        // Led along the boundary instead of back, it has not seen the object again.
+        let again = round.reversed.is_some_and(|reversed| {
+            self.seen_since(&round, reversed.at) >= LEAST_SEEN.max(reversed.seen / 2)
+        });
+        if !again || !self.hides_behind(&contacts) {
+            return self.left_open(round, Failure::WallLost, scene);
+        }
+        if round.circuit.side() == Side::Right {
+            contacts.reverse();
+        }
+        let tie = here(scene);
+        if self.is_known(&contacts) {
+            // It leads nowhere to go round it once more.
+            scene.tell.push(EventKind::ObjectKnown { id: round.id });
+            return self.go_on(round.drive, scene);
+        }
+        for thing in things(contacts, &self.chassis) {
+            let id = scene.map.objects.len() as u32 + 1;
+            self.record(MappedObject { closed: false, ..thing.numbered(id) }, tie, scene);
+            scene.tell.push(EventKind::ObjectBehind { id });
+        }
+        self.resume(round.drive);
+        None
+    }
+
+    /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
+    /// last of them straight to the first, the boundary is always near, and nowhere between were they far
+    /// apart. Where the pose is lost, what was followed may have been the boundary itself.
+    fn hides_behind(&self, contacts: &[Contact]) -> bool {
+        let gap = self.chassis.passable_gap();
+        let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
+        let near = |p: Point| self.chart.outline().distance(p) < gap + BESIDE_BOUNDARY;
+        let behind = last.point - first.point;
+        let steps = (behind.norm() / STEP).ceil().max(1.0);
+        (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
+            && contacts.windows(2).all(|two| (two[1].point - two[0].point).norm() < gap)
+    }
+}
+
+impl Round {
+    /// Begins the round anew the other way, beside what is near.
+    fn turn_back(&mut self, chassis: &Chassis, reversed: Reversed) {
+        let mut wall = Wall::new(chassis);
+        for seen in self.circuit.wall.near() {
+            wall.adopt(*seen);
+        }
+        let side = self.circuit.side().other();
+        let anew = Self::new(chassis, side, wall, self.drive.clone(), self.id);
+        *self = Self { reversed: Some(reversed), compared: self.compared, ..anew };
+    }
+}

@@ -17,6 +17,7 @@ pub mod odometry;
 pub mod passing;
 pub mod plan;
 pub mod relocate;
+pub mod retrace;
 pub mod search;
 pub mod settings;
 pub mod shape;

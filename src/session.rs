@@ -156,6 +156,20 @@ impl Session {
                     self.note(EventKind::Reason { why }, out);
                 }
             }
+            Intent::LapAgain | Intent::LapAnew => {
+                let mut outputs = Vec::new();
+                let taken = !over
+                    && match intent {
+                        Intent::LapAgain => self.mission.lap_again(&mut outputs),
+                        _ => self.mission.lap_anew(&mut outputs),
+                    };
+                self.pass_on(outputs, out);
+                if !taken {
+                    let why =
+                        "no lap now: there is none yet, or lines of the plan are driven already";
+                    self.note(EventKind::Reason { why: why.to_owned() }, out);
+                }
+            }
             Intent::Placed { near } => {
                 let mut outputs = Vec::new();
                 let taken = self.mission.placed(near, &mut outputs);
@@ -252,6 +266,12 @@ impl Session {
     }
 
     fn happened(&mut self, event: Event, out: &mut Vec<Outgoing>) {
+        if let EventKind::PhaseBegan { phase } = event.kind {
+            // After another lap the later phases come again.
+            for progress in &mut self.progress[phase as usize..] {
+                progress.done = false;
+            }
+        }
         if let EventKind::PhaseEnded { phase } = event.kind {
             self.progress[phase as usize].done = true;
             out.push(Outgoing::PhaseEnded(phase));

@@ -20,9 +20,9 @@ pub struct Places {
     pub port: Option<String>,
 }
 
-const KEYS: [&str; 14] = [
-    "alpha", "plan", "contour", "noise", "seed", "start", "tape", "chassis", "out", "resume",
-    "world", "keymap", "until", "port",
+const KEYS: [&str; 15] = [
+    "alpha", "plan", "contour", "noise", "seed", "start", "laps", "tape", "chassis", "out",
+    "resume", "world", "keymap", "until", "port",
 ];
 
 /// Reads the file and fills in what `flags` leaves open.
@@ -58,6 +58,7 @@ fn set(
         "noise" => fill(&mut flags.noise, values::named_noise(text)?),
         "seed" => fill(&mut flags.seed, values::seed(text)?),
         "start" => fill(&mut flags.start, values::start(text)?),
+        "laps" => fill(&mut flags.laps, values::laps(text)?),
         "tape" => fill(&mut flags.tape, values::tape(text)?),
         "chassis" => fill(&mut flags.chassis, path()),
         "out" => fill(&mut flags.out, path()),

@@ -35,6 +35,10 @@ pub struct Common {
     /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's]
     #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
     pub start: Option<Pose>,
+    /// Laps of the boundary; each after the first goes the other way round and is averaged in
+    /// [default: 1]
+    #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
+    pub laps: Option<u32>,
     /// A taped length between two points, metres
     #[arg(long, value_name = "X,Y:X,Y=M", value_parser = tape, allow_hyphen_values = true)]
     pub tape: Option<Tape>,
@@ -102,6 +106,7 @@ impl Common {
         settings.strategy = self.plan.unwrap_or(settings.strategy);
         settings.contour = self.contour.unwrap_or(settings.contour);
         settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.laps = self.laps.unwrap_or(settings.laps);
         settings.tape = self.tape;
         settings.chassis = body;
         settings
@@ -123,6 +128,15 @@ pub(super) fn alpha(text: &str) -> Result<f64, String> {
         value if value < 0.01 => Err("α is a length of at least 0.01 m, such as 0.25".to_owned()),
         value => Ok(value),
     }
+}
+
+/// How often the boundary is gone round.
+pub(super) fn laps(text: &str) -> Result<u32, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|laps| (1..=9).contains(laps))
+        .ok_or_else(|| format!("`{}` is no number of laps from 1 to 9", text.trim()))
 }
 
 /// A time in seconds, not negative.

@@ -24,6 +24,10 @@ pub enum Action {
     SlowDown,
     /// Simulated time faster.
     SpeedUp,
+    /// Round the boundary once more.
+    LapAgain,
+    /// Drop the lap, look for the boundary anew.
+    LapAnew,
     /// End the run and keep the map.
     Finish,
     /// Closer.
@@ -130,6 +134,8 @@ pub const ACTIONS: &[ActionInfo] = &[
     row(Action::AlphaUp, "alpha-up", "α up by 0.05 m: coarser, shorter", Group::Run, "α"),
     row(Action::SlowDown, "slower", "simulated time slower", Group::Run, "speed"),
     row(Action::SpeedUp, "faster", "simulated time faster", Group::Run, "speed"),
+    row(Action::LapAgain, "lap-again", "one lap more, averaged in", Group::Run, ""),
+    row(Action::LapAnew, "lap-anew", "drop the lap, look for the boundary anew", Group::Run, ""),
     row(Action::Finish, "finish", "end the run here, keep the map", Group::Run, ""),
     row(Action::ZoomIn, "zoom-in", "closer", Group::Map, "zoom"),
     row(Action::ZoomOut, "zoom-out", "further away", Group::Map, "zoom"),

@@ -108,6 +108,8 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::AlphaUp => return set_alpha(model, snapshot.settings.alpha + ALPHA_STEP),
         Action::SlowDown => return set_speed(model, Speed::slower),
         Action::SpeedUp => return set_speed(model, Speed::faster),
+        Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
+        Action::LapAnew => return vec![Effect::Intent(Intent::LapAnew)],
         Action::Finish => return vec![Effect::Intent(Intent::Finish)],
         Action::ZoomIn | Action::ZoomOut | Action::Follow | Action::Fit => {
             look(model, snapshot, action);

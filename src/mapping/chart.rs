@@ -5,9 +5,11 @@
 //! which surface a new contact lies on and what that surface hangs on.
 
 use super::accuracy::Judge;
-use super::map::{Contact, MappedObject, RoomMap};
+use super::map::{Contact, ContactKind, MappedObject, RoomMap};
+use super::shape::KNOWN;
 use super::survey::{Surface, Survey, Tie};
-use crate::geometry::{Piece, Point, Ring, perp};
+use super::wall::Sighting;
+use crate::geometry::{Piece, Point, Pose, Ring, perp};
 
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
@@ -16,8 +18,19 @@ const CORNER: f64 = 0.04;
 /// No farther behind the nearest surface than this is the one that was seen, metres: both are faces of
 /// something thin.
 const THIN: f64 = 0.04;
+/// With a pose that is not sure a contact may be this many standard deviations of it off, but no more
+/// metres than that.
+const DEVIATIONS: f64 = 2.5;
+const MOST_KNOWN: f64 = 0.5;
 /// What is seen from more askance than this (cosine) is not of the surface.
 const LEAST_INCIDENCE: f64 = 0.5;
+
+/// How far from something mapped a contact made from `at` may be and still be of it, metres: the less is
+/// known of the pose, the farther.
+#[must_use]
+pub fn tolerance(survey: &Survey, at: Point) -> f64 {
+    (DEVIATIONS * survey.looseness(at)).clamp(KNOWN, MOST_KNOWN)
+}
 
 /// One ring as it was fitted, what it hangs on, and where it is now.
 #[derive(Debug, Clone)]
@@ -159,6 +172,18 @@ impl Chart {
         let tie = self.tie(charted, survey, nominal);
         let at = nominal + survey.displacement(nominal, &tie);
         Some(Surface { at, normal, tie, sd: charted.raggedness(nominal), within })
+    }
+
+    /// `pose` corrected by what was `seen` from it, and `survey` with it; none when that is nothing
+    /// charted.
+    #[must_use]
+    pub fn fix(&self, survey: &mut Survey, pose: Pose, seen: &Sighting) -> Option<Pose> {
+        if seen.kind != ContactKind::Range {
+            return None;
+        }
+        let within = tolerance(survey, pose.position);
+        let surface = self.surface_at(survey, seen.point, seen.pose.position, within)?;
+        survey.touch(pose, seen.point, &surface)
     }
 
     fn tie(&self, charted: &Charted, survey: &Survey, nominal: Point) -> Tie {

@@ -82,6 +82,30 @@ pub enum EventKind {
         /// Why.
         why: Failure,
     },
+    /// The operator wants so many laps.
+    LapsWanted {
+        /// How many in all.
+        laps: u32,
+    },
+    /// The lap is driven again, the other way round.
+    LapAgain {
+        /// Which lap it is, from 2.
+        lap: u32,
+    },
+    /// A lap more was averaged in.
+    LapAveraged {
+        /// Which lap it was, from 2.
+        lap: u32,
+        /// Contacts that were touches of the wall.
+        touches: usize,
+        /// Largest move of a corner, metres.
+        moved: f64,
+    },
+    /// A further lap was given up; what it touched counts.
+    LapCut {
+        /// Why.
+        why: Failure,
+    },
     /// The shape is known.
     ShapeFound {
         /// Its class.

@@ -336,6 +336,9 @@ pub struct RoomMap {
     /// How well it is known, once there is an outline.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
+    /// How many laps of the boundary it is made of.
+    #[serde(default)]
+    pub laps: u32,
     /// What a taped length made of the map, if one was given and fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taped: Option<Taped>,

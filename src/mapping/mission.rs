@@ -5,6 +5,7 @@
 //! phases follow one another as the paper's section III does; Shape and Plan need no motion, so
 //! one call each is all of them. No clock, no I/O, no error: odd input becomes an event.
 
+mod again;
 mod hearing;
 mod phases;
 mod place;
@@ -14,6 +15,7 @@ use super::follow::{Ask, AtRest};
 use super::map::{Contact, Phase, RoomMap};
 use super::odometry::Tracker;
 use super::relocate::Relocation;
+use super::retrace::{Beside, Retrace};
 use super::search::Search;
 use super::settings::Settings;
 use super::survey::Survey;
@@ -47,6 +49,8 @@ pub enum Outcome {
 #[derive(Debug, Clone)]
 enum Task {
     Search(Box<Search>),
+    /// The lap is driven again, to be averaged in.
+    Retrace(Box<Retrace>),
     Shape,
     Plan,
     Tour(Box<Tour>),
@@ -94,6 +98,8 @@ pub struct Mission {
     began: bool,
     laps: u32,
     lost: Option<Lost>,
+    /// What the lap that closed last ended beside.
+    beside: Option<Beside>,
     trust: Trust,
     /// What is under way rests on a switch that chatters: it is begun again.
     afresh: bool,
@@ -123,6 +129,7 @@ impl Mission {
             began: false,
             laps: 0,
             lost: None,
+            beside: None,
             trust: Trust::new(&settings.chassis),
             afresh: false,
             settings,
@@ -174,10 +181,16 @@ impl Mission {
     /// One standard deviation of the position, metres.
     #[must_use]
     pub fn position_sd(&self) -> f64 {
-        match self.phase {
-            Phase::Objects => self.survey.position_sd(),
-            _ => 0.005 + 0.004 * self.tracker.travelled(),
+        if self.is_surveying() {
+            self.survey.position_sd()
+        } else {
+            0.005 + 0.004 * self.tracker.travelled()
         }
+    }
+
+    /// Whether the survey follows the robot: there are walls to touch.
+    fn is_surveying(&self) -> bool {
+        self.phase == Phase::Objects || matches!(self.task, Task::Retrace(_))
     }
 
     /// Which switches are closed, and whether the bumper is pressed.
@@ -234,6 +247,7 @@ impl Mission {
         let wall = match &self.task {
             Task::Search(search) => Some(search.wall()),
             Task::Tour(tour) => Some(tour.wall()),
+            Task::Retrace(retrace) => Some(&retrace.wall),
             Task::Relocate(..) | Task::Shape | Task::Plan | Task::Over => None,
         };
         wall.map_or_else(Vec::new, Wall::contacts)
@@ -247,6 +261,7 @@ impl Mission {
                 let closed = super::circuit::Circuit::looks_closed;
                 search.circuit().is_some_and(closed).then_some(0.95)
             }
+            Task::Retrace(retrace) => Some(retrace.share(&self.tracker)),
             Task::Tour(tour) | Task::Relocate(_, tour) => Some(tour.share()),
             Task::Shape | Task::Plan => Some(0.0),
             Task::Over => Some(1.0),
@@ -301,6 +316,7 @@ impl Mission {
     fn wall_mut(&mut self) -> Option<&mut Wall> {
         match &mut self.task {
             Task::Search(search) => Some(search.wall_mut()),
+            Task::Retrace(retrace) => Some(&mut retrace.wall),
             Task::Tour(tour) => Some(tour.wall_mut()),
             Task::Relocate(relocation, _) => Some(relocation.wall_mut()),
             Task::Shape | Task::Plan | Task::Over => None,
@@ -352,7 +368,7 @@ impl Mission {
         match &mut self.task {
             Task::Search(search) => **search = Search::new(&self.settings, self.rest.pose),
             Task::Tour(tour) => tour.interrupt(&mut self.map),
-            Task::Relocate(..) | Task::Shape | Task::Plan | Task::Over => {}
+            Task::Retrace(_) | Task::Relocate(..) | Task::Shape | Task::Plan | Task::Over => {}
         }
     }
 
@@ -370,6 +386,7 @@ impl Mission {
         }
         match std::mem::replace(&mut self.task, Task::Over) {
             Task::Search(search) => self.search(search, out),
+            Task::Retrace(retrace) => self.retrace(retrace, out),
             Task::Shape => self.shape(out),
             Task::Plan => {
                 self.make_plan(out);

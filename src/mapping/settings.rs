@@ -29,6 +29,15 @@ pub enum Contour {
     FullLoop,
 }
 
+fn one() -> u32 {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the form serde asks for")]
+fn is_one(laps: &u32) -> bool {
+    *laps == 1
+}
+
 /// Everything that shapes a run besides what the robot meets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -42,6 +51,9 @@ pub struct Settings {
     pub seed: u64,
     /// Where the robot stands at the beginning, in the map frame.
     pub start: Pose,
+    /// How often the robot goes round the boundary, once at least; each lap after the first is averaged in.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub laps: u32,
     /// A length measured by tape, which the map is stretched to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tape: Option<Tape>,
@@ -59,6 +71,7 @@ impl Settings {
             contour: Contour::default(),
             seed: 1,
             start,
+            laps: 1,
             tape: None,
             chassis: Chassis::default(),
         }

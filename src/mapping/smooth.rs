@@ -26,8 +26,12 @@ const CONTACT_SD: f64 = 0.002;
 const SHARED_SD: f64 = 0.001;
 
 /// Tells `survey` that the contacts on every smooth piece of `outline` lie on one surface. Only its
-/// first `knots` knots are those of the lap. True when there was such a piece.
+/// first `knots` knots are those of the lap. True when there was such a piece; that it is smooth is told
+/// once.
 pub fn smooth(survey: &mut Survey, knots: usize, outline: &Ring, contacts: &[Contact]) -> bool {
+    if survey.is_smoothed() {
+        return false;
+    }
     let mut of_piece: Vec<Vec<&Contact>> = vec![Vec::new(); outline.pieces.len()];
     for contact in contacts.iter().filter(|c| c.kind == ContactKind::Range) {
         if let Some(foot) = outline.nearest(contact.point)
@@ -53,6 +57,9 @@ pub fn smooth(survey: &mut Survey, knots: usize, outline: &Ring, contacts: &[Con
         let sd = scatter.sqrt().max(CONTACT_SD);
         survey.lay(&looks(survey, knots, piece, &contacts, sd));
         any = true;
+    }
+    if any {
+        survey.smoothed();
     }
     any
 }

@@ -82,6 +82,8 @@ pub struct Survey {
     onward: Head,
     lags: bool,
     balance: Balance,
+    /// It was told that smooth walls are smooth.
+    smoothed: bool,
     grip: Grip,
     /// Turn of the wheels for one tick of one of them, radians.
     resolution: f64,
@@ -104,6 +106,7 @@ impl Survey {
             onward: Head::identity(),
             lags: false,
             balance: Balance::default(),
+            smoothed: false,
             grip: Grip::default(),
             resolution,
         }
@@ -193,6 +196,17 @@ impl Survey {
     #[must_use]
     pub fn lopsided(&self) -> f64 {
         self.mean[WHEELS]
+    }
+
+    /// Whether it was told already that smooth walls are smooth.
+    #[must_use]
+    pub fn is_smoothed(&self) -> bool {
+        self.smoothed
+    }
+
+    /// It was told that now.
+    pub fn smoothed(&mut self) {
+        self.smoothed = true;
     }
 
     /// How many knots there are.

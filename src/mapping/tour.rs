@@ -19,11 +19,10 @@ use super::chart::Chart;
 use super::event::EventKind;
 use super::floor::{Coverage, Floor};
 use super::follow::{Ask, AtRest};
-use super::map::{ContactKind, LineReason, LineStatus, PlanLine, RoomMap};
+use super::map::{LineReason, LineStatus, PlanLine, RoomMap};
 use super::odometry::Tracker;
 use super::passing::Passing;
 use super::settings::{Contour, Settings};
-use super::shape::KNOWN;
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, Vector};
@@ -33,9 +32,6 @@ use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 use ties::{Shuttle, Span};
 
-/// With a pose that is not sure, standard deviations of it, but no more metres than this.
-const DEVIATIONS: f64 = 2.5;
-const MOST_KNOWN: f64 = 0.5;
 /// The centre keeps this beyond the body's radius from everything on a way, metres.
 const ROOM: f64 = 0.03;
 /// A way point counts as reached within this, metres.
@@ -105,12 +101,6 @@ pub struct Tour {
     tied: Vec<(Point, Vector)>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
-}
-
-/// How far from something mapped a contact may be and still be of it, metres: the less is known of
-/// the pose, the farther.
-fn tolerance(survey: &Survey, at: Point) -> f64 {
-    (DEVIATIONS * survey.looseness(at)).clamp(KNOWN, MOST_KNOWN)
 }
 
 impl Tour {
@@ -183,14 +173,10 @@ impl Tour {
     /// The pose corrected by a contact with something mapped; none when it is nothing mapped.
     pub fn fix(&mut self, survey: &mut Survey, pose: Pose, seen: &Sighting) -> Option<Pose> {
         // What is being gone round has a misclosure of its own, measured at its end.
-        if seen.kind != ContactKind::Range
-            || matches!(self.doing, Doing::Rounding(_) | Doing::Passing { .. })
-        {
+        if matches!(self.doing, Doing::Rounding(_) | Doing::Passing { .. }) {
             return None;
         }
-        let within = tolerance(survey, pose.position);
-        let surface = self.chart.surface_at(survey, seen.point, seen.pose.position, within)?;
-        let fixed = survey.touch(pose, seen.point, &surface)?;
+        let fixed = self.chart.fix(survey, pose, seen)?;
         self.fixed_by = Some(seen.time_us);
         Some(fixed)
     }

@@ -37,6 +37,12 @@ pub enum Intent {
         /// What the tape said, metres.
         length: f64,
     },
+    /// One lap more round the boundary, to be averaged in: at once when one has closed and no line of the
+    /// plan is driven yet, else after the lap under way.
+    LapAgain,
+    /// The lap that has closed is dropped, and the boundary looked for anew, as long as no line of the plan
+    /// is driven yet.
+    LapAnew,
     /// The robot was carried, or started anew, and stands elsewhere: it has to find its place before it
     /// goes on. With no boundary closed yet there is nothing to know a place by; the lap begins anew
     /// from where it was put, or from the start.

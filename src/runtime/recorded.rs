@@ -65,6 +65,8 @@ impl Driver for RecordedDriver {
             Intent::ClearStop
             | Intent::SetAlpha { .. }
             | Intent::SetTape { .. }
+            | Intent::LapAgain
+            | Intent::LapAnew
             | Intent::Placed { .. } => {}
         }
     }

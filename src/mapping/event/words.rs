@@ -91,6 +91,23 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What became of laps after the first.
+fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    match kind {
+        EventKind::LapsWanted { laps } => {
+            write!(f, "{laps} laps in all, as soon as one has closed")
+        }
+        EventKind::LapAgain { lap } => write!(f, "lap {lap} begins, the other way round"),
+        EventKind::LapAveraged { lap, touches, moved } => write!(
+            f,
+            "lap {lap} averaged in: {touches} touches, corners moved by {:.0} mm at most",
+            moved * 1e3
+        ),
+        EventKind::LapCut { why } => write!(f, "no further lap: {why}; what was touched counts"),
+        _ => Ok(()),
+    }
+}
+
 fn recognised(f: &mut fmt::Formatter<'_>, object: Option<u32>, off: f64) -> fmt::Result {
     let name = object.map_or_else(|| "the boundary".to_owned(), |id| format!("O{id}"));
     write!(f, "this is {name}: the pose was {:.0} mm off, and is put right", off * 1e3)
@@ -206,6 +223,10 @@ impl fmt::Display for EventKind {
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
                 hidden_disc * 1e3
             ),
+            Self::LapsWanted { .. }
+            | Self::LapAgain { .. }
+            | Self::LapAveraged { .. }
+            | Self::LapCut { .. } => laps(f, self),
             Self::TapeLaid { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNoted { .. }
@@ -261,6 +282,7 @@ impl EventKind {
                 Severity::Detail
             }
             Self::LapFailed { .. }
+            | Self::LapCut { .. }
             | Self::ContactLost
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }

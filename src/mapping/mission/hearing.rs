@@ -3,7 +3,6 @@
 use super::{AtRest, Mission, Output, Task};
 use crate::geometry::Pose;
 use crate::mapping::event::EventKind;
-use crate::mapping::map::Phase;
 use crate::mapping::survey::Step;
 use crate::mapping::trust::{Defect, Doubted, Going};
 use crate::mapping::wall::Turning;
@@ -27,9 +26,12 @@ impl Mission {
                 let turning = self.awaited.map_or(Turning::Unknown, |awaited| awaited.turning);
                 let travelled = self.tracker.travelled();
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
-                if let (Task::Tour(tour), Some(seen)) = (&mut self.task, seen)
-                    && let Some(fixed) = tour.fix(&mut self.survey, pose, &seen)
-                {
+                let fixed = seen.and_then(|seen| match &mut self.task {
+                    Task::Tour(tour) => tour.fix(&mut self.survey, pose, &seen),
+                    Task::Retrace(retrace) => retrace.fix(&mut self.survey, pose, &seen),
+                    _ => None,
+                });
+                if let Some(fixed) = fixed {
                     self.tracker.correct(fixed);
                 }
             }
@@ -102,7 +104,7 @@ impl Mission {
             self.survey.rest(seconds, rate);
             self.tracker.set_bias(self.tracker.bias() - self.survey.take_bias());
         }
-        if self.phase == Phase::Objects {
+        if self.is_surveying() {
             let passed = odometer.time_us.saturating_sub(time).saturating_sub(rested);
             let step = Step {
                 from: before,

@@ -11,6 +11,7 @@ use crate::mapping::floor::Coverage;
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, MappedObject, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
+use crate::mapping::retrace::Beside;
 use crate::mapping::search::{Next, Search, lap_contacts};
 use crate::mapping::shape::{self, Enclosed};
 use crate::mapping::smooth::smooth;
@@ -56,10 +57,7 @@ impl Mission {
                 if self.survey.lopsided().abs() > LOPSIDED {
                     return self.fail(Failure::WheelsLie, out);
                 }
-                self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
-                self.phase = Phase::Shape;
-                self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);
-                self.task = Task::Shape;
+                self.next_lap(out);
             }
             Next::Failed(why) => {
                 self.map.contacts = search.wall().contacts();
@@ -75,13 +73,18 @@ impl Mission {
         self.map.contacts = lap_contacts(search.wall(), closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);
+        self.map.laps = 1;
         self.survey = adjustment.into_survey();
-        self.settle();
+        let before = self.tracker.pose();
+        let beside = Beside::new(closure.side, search.wall(), closure.length());
+        self.settle(u64::MAX);
+        self.beside = Some(beside.moved(&before, &self.tracker.pose()));
     }
 
     /// Moves what was mapped before, the trajectory and the pose to where the survey believes them,
-    /// and goes on from there.
-    fn settle(&mut self) {
+    /// and goes on from there. What was driven since `since_us` (robot time) was touch by touch there
+    /// already.
+    pub(super) fn settle(&mut self, since_us: u64) {
         let survey = &mut self.survey;
         let knots = survey.knots();
         for object in &mut self.map.objects {
@@ -89,7 +92,7 @@ impl Mission {
             let tie = survey.tie(begin, knots);
             object.displace(|p| survey.displacement(p, &tie));
         }
-        for point in self.tracker.path_mut() {
+        for point in self.tracker.path_mut().iter_mut().take_while(|p| p.time_us < since_us) {
             let tie = survey.tie(point.time_us, knots);
             point.pose = survey.place(point.pose, &tie);
         }
@@ -101,7 +104,7 @@ impl Mission {
     }
 
     /// The outline through the contacts of the lap as they are believed by now.
-    fn fitted_outline(&self) -> Result<Ring, Failure> {
+    pub(super) fn fitted_outline(&self) -> Result<Ring, Failure> {
         let contacts = &self.map.contacts;
         let knots = self.survey.knots();
         // Places spread over the lap tell how far it may be bent.
@@ -120,13 +123,19 @@ impl Mission {
         if !smooth(&mut self.survey, knots, outline, &self.map.contacts) {
             return false;
         }
+        self.place_contacts();
+        self.settle(u64::MAX);
+        true
+    }
+
+    /// Moves the lap's contacts to where the survey believes them.
+    pub(super) fn place_contacts(&mut self) {
+        let knots = self.survey.knots();
         for contact in &mut self.map.contacts {
             let tie = self.survey.tie(contact.time_us(), knots);
             contact.point += self.survey.displacement(contact.point, &tie);
             contact.from += self.survey.displacement(contact.from, &tie);
         }
-        self.settle();
-        true
     }
 
     /// Stretches all that was mapped until the taped length, if there is one, is what the tape said;

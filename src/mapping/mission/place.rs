@@ -36,6 +36,10 @@ impl Mission {
                 self.task = Task::Tour(tour);
                 self.lose(told);
             }
+            (Task::Retrace(_), _) => {
+                self.end_boundary(out);
+                self.lose(told);
+            }
             (task @ (Task::Shape | Task::Plan | Task::Over), _) => {
                 self.task = task;
                 self.lose(told);

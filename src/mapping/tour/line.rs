@@ -2,8 +2,9 @@
 //! line ends.
 
 use super::drive::{Aim, Drive, Purpose};
-use super::{Doing, MOST_BUMPS, REACHED, ROOM, Scene, Tour, finish, tolerance};
+use super::{Doing, MOST_BUMPS, REACHED, ROOM, Scene, Tour, finish};
 use crate::geometry::{Point, angle};
+use crate::mapping::chart::tolerance;
 use crate::mapping::event::EventKind;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
 use crate::mapping::map::{LineReason, LineStatus};

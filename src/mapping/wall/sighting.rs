@@ -1,7 +1,7 @@
 //! One thing that a switch or the bumper told: where, from where, and what has become of it since. Judges
 //! nothing; the wall does.
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, angle};
 use crate::mapping::drift::Unwound;
 use crate::mapping::lay::Seen;
 use crate::mapping::map::{Contact, ContactKind};
@@ -53,6 +53,22 @@ impl Sighting {
             point: unwound.point(self.point, self.time_us),
             pose: unwound.pose(self.pose, self.time_us),
             beam: self.beam + unwound.turn(self.time_us),
+            ..*self
+        }
+    }
+
+    /// The same when what was believed to be `from` turned out to be `to`.
+    #[must_use]
+    pub fn moved(&self, from: &Pose, to: &Pose) -> Self {
+        let turn = to.heading - from.heading;
+        let place = |p: Point| to.to_world(from.to_local(p));
+        Self {
+            point: place(self.point),
+            pose: Pose {
+                position: place(self.pose.position),
+                heading: angle::wrap(self.pose.heading + turn),
+            },
+            beam: self.beam + turn,
             ..*self
         }
     }

@@ -1,0 +1,130 @@
+//! What the operator may do about a lap that has closed: take it (and go on), drive another one that is
+//! averaged in, or drop it and look for the boundary anew.
+
+use super::{Mission, Outcome, Output, Task};
+use crate::mapping::chart::Chart;
+use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::map::{Phase, RoomMap};
+use crate::mapping::retrace::{Along, Retrace};
+use crate::mapping::search::Search;
+use crate::mapping::shape;
+
+impl Mission {
+    /// Whether a lap has closed and no line of the plan is driven yet.
+    fn has_fresh_lap(&self) -> bool {
+        let begun = matches!(&self.task, Task::Tour(tour) if tour.has_begun());
+        let at_rest = !begun && !matches!(self.task, Task::Retrace(_) | Task::Relocate(..));
+        self.map.closed && at_rest && self.outcome == Outcome::Going && self.lost.is_none()
+    }
+
+    /// One lap more: at once when one has closed, else as soon as it has. False when lines of the plan
+    /// are driven already, or nothing is.
+    pub fn lap_again(&mut self, out: &mut Vec<Output>) -> bool {
+        if matches!(self.task, Task::Search(_) | Task::Retrace(_)) {
+            self.settings.laps += 1;
+            self.tell(EventKind::LapsWanted { laps: self.settings.laps }, out);
+            return true;
+        }
+        if !self.has_fresh_lap() {
+            return false;
+        }
+        self.settings.laps = self.map.laps + 1;
+        self.map.plan = None;
+        self.phase = Phase::Boundary;
+        self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
+        self.begin_retrace(out);
+        true
+    }
+
+    /// Drops the lap, and the objects that were met before it; the boundary is looked for anew from where
+    /// the robot stands. False when there is none, or lines of the plan are driven already.
+    pub fn lap_anew(&mut self, out: &mut Vec<Output>) -> bool {
+        if !self.has_fresh_lap() {
+            return false;
+        }
+        self.phase = Phase::Boundary;
+        let here = self.tracker.pose();
+        let doubted = std::mem::take(&mut self.map.doubted);
+        let dropped = self.map.objects.len();
+        self.map = RoomMap { doubted, ..RoomMap::default() };
+        self.tracker.begin_anew(here);
+        self.laps = 0;
+        self.task = Task::Search(Box::new(Search::new(&self.settings, here)));
+        self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
+        self.tell(EventKind::BegunAnew { dropped }, out);
+        true
+    }
+
+    /// Drives the next lap that is wanted, or goes on to the shape.
+    pub(super) fn next_lap(&mut self, out: &mut Vec<Output>) {
+        if self.map.laps < self.settings.laps {
+            self.begin_retrace(out);
+        } else {
+            self.end_boundary(out);
+        }
+    }
+
+    pub(super) fn end_boundary(&mut self, out: &mut Vec<Output>) {
+        self.tell(EventKind::PhaseEnded { phase: Phase::Boundary }, out);
+        self.phase = Phase::Shape;
+        self.tell(EventKind::PhaseBegan { phase: Phase::Shape }, out);
+        self.task = Task::Shape;
+    }
+
+    fn begin_retrace(&mut self, out: &mut Vec<Output>) {
+        let outline = match self.fitted_outline() {
+            Ok(outline) => outline,
+            Err(why) => return self.cut_lap(why, out),
+        };
+        let Some(beside) = &self.beside else { return self.end_boundary(out) };
+        let so_far = RoomMap {
+            contacts: self.map.contacts.clone(),
+            objects: self.map.objects.clone(),
+            shape: Some(shape::identify(outline, &self.map.contacts)),
+            ..RoomMap::default()
+        };
+        let chart = Chart::new(&so_far, &self.survey);
+        let retrace = Retrace::new(&self.settings.chassis, beside, chart, &self.tracker);
+        self.tell(EventKind::LapAgain { lap: self.map.laps + 1 }, out);
+        self.task = Task::Retrace(Box::new(retrace));
+    }
+
+    /// No more laps, because of `why`.
+    fn cut_lap(&mut self, why: Failure, out: &mut Vec<Output>) {
+        self.settings.laps = self.map.laps;
+        self.tell(EventKind::LapCut { why }, out);
+        self.end_boundary(out);
+    }
+
+    pub(super) fn retrace(&mut self, mut retrace: Box<Retrace>, out: &mut Vec<Output>) {
+        match retrace.next(&self.tracker, &self.rest) {
+            Along::Go(ask) => {
+                self.task = Task::Retrace(retrace);
+                self.order(&ask, out);
+            }
+            Along::Round => {
+                self.average(*retrace, out);
+                self.next_lap(out);
+            }
+            // What was touched until then is as good as ever.
+            Along::Held => {
+                self.average(*retrace, out);
+                self.cut_lap(Failure::Boxed, out);
+            }
+        }
+    }
+
+    /// Moves what is mapped to where the survey believes it after the lap.
+    fn average(&mut self, mut retrace: Retrace, out: &mut Vec<Output>) {
+        let before = self.tracker.pose();
+        let beside = retrace.beside();
+        let begun_us = retrace.begun_us();
+        let moved = retrace.chart_mut().refresh(&self.survey);
+        self.place_contacts();
+        self.settle(begun_us);
+        self.beside = Some(beside.moved(&before, &self.tracker.pose()));
+        self.map.laps += 1;
+        let (lap, touches) = (self.map.laps, retrace.touches());
+        self.tell(EventKind::LapAveraged { lap, touches, moved }, out);
+    }
+}

@@ -22,6 +22,7 @@ pub mod search;
 pub mod settings;
 pub mod shape;
 pub mod smooth;
+pub mod square;
 pub mod survey;
 pub mod tape;
 pub mod tour;

@@ -138,48 +138,39 @@ impl Session {
                 self.note(EventKind::StopCleared, out);
             }
             Intent::ClearStop => {}
-            Intent::SetAlpha { alpha } => {
-                let mut outputs = Vec::new();
-                let taken = self.mission.set_alpha(alpha, &mut outputs);
-                self.pass_on(outputs, out);
-                if !taken {
-                    let why = "α stays: lines of this plan are driven already".to_owned();
-                    self.note(EventKind::Reason { why }, out);
-                }
-            }
-            Intent::SetTape { from, to, length } => {
-                let mut outputs = Vec::new();
-                let taken = self.mission.set_tape(Tape { from, to, length }, &mut outputs);
-                self.pass_on(outputs, out);
-                if !taken {
-                    let why = "tape not used: lines of the plan are driven already".to_owned();
-                    self.note(EventKind::Reason { why }, out);
-                }
-            }
-            Intent::LapAgain | Intent::LapAnew => {
-                let mut outputs = Vec::new();
-                let taken = !over
-                    && match intent {
-                        Intent::LapAgain => self.mission.lap_again(&mut outputs),
-                        _ => self.mission.lap_anew(&mut outputs),
-                    };
-                self.pass_on(outputs, out);
-                if !taken {
-                    let why =
-                        "no lap now: there is none yet, or lines of the plan are driven already";
-                    self.note(EventKind::Reason { why: why.to_owned() }, out);
-                }
-            }
-            Intent::Placed { near } => {
-                let mut outputs = Vec::new();
-                let taken = self.mission.placed(near, &mut outputs);
-                self.pass_on(outputs, out);
-                if !taken {
-                    let why =
-                        "not while the robot moves, nor after the run: stop it first".to_owned();
-                    self.note(EventKind::Reason { why }, out);
-                }
-            }
+            Intent::SetAlpha { alpha } => self.wish(
+                |mission, told| mission.set_alpha(alpha, told),
+                "α stays: lines of this plan are driven already",
+                out,
+            ),
+            Intent::SetTape { from, to, length } => self.wish(
+                |mission, told| mission.set_tape(Tape { from, to, length }, told),
+                "tape not used: lines of the plan are driven already",
+                out,
+            ),
+            Intent::LapAgain => self.wish(
+                |mission, told| !over && mission.lap_again(told),
+                "no lap now: lines of the plan are driven already, or the run is over",
+                out,
+            ),
+            Intent::LapAnew => self.wish(
+                |mission, told| !over && mission.lap_anew(told),
+                "no lap is dropped: none has closed, or lines of the plan are driven already",
+                out,
+            ),
+            Intent::Square => self.wish(
+                |mission, told| {
+                    mission.toggle_square(told);
+                    true
+                },
+                "",
+                out,
+            ),
+            Intent::Placed { near } => self.wish(
+                |mission, told| mission.placed(near, told),
+                "not while the robot moves, nor after the run: stop it first",
+                out,
+            ),
             Intent::Finish => {
                 out.push(Outgoing::Stop);
                 let mut outputs = Vec::new();
@@ -195,6 +186,21 @@ impl Session {
             Intent::StepPhase => self.run = RunState::Stepping(Step::Phase),
         }
         self.go_on(out);
+    }
+
+    /// Passes a wish on to the mission; tells why when it is `refused`.
+    fn wish(
+        &mut self,
+        wish: impl FnOnce(&mut Mission, &mut Vec<Output>) -> bool,
+        refused: &str,
+        out: &mut Vec<Outgoing>,
+    ) {
+        let mut outputs = Vec::new();
+        let taken = wish(&mut self.mission, &mut outputs);
+        self.pass_on(outputs, out);
+        if !taken {
+            self.note(EventKind::Reason { why: refused.to_owned() }, out);
+        }
     }
 
     /// Tells the operator something that is no business of the mission: of the link, of the record.

@@ -20,9 +20,9 @@ pub struct Places {
     pub port: Option<String>,
 }
 
-const KEYS: [&str; 15] = [
-    "alpha", "plan", "contour", "noise", "seed", "start", "laps", "tape", "chassis", "out",
-    "resume", "world", "keymap", "until", "port",
+const KEYS: [&str; 16] = [
+    "alpha", "plan", "contour", "noise", "seed", "start", "laps", "square", "tape", "chassis",
+    "out", "resume", "world", "keymap", "until", "port",
 ];
 
 /// Reads the file and fills in what `flags` leaves open.
@@ -59,6 +59,7 @@ fn set(
         "seed" => fill(&mut flags.seed, values::seed(text)?),
         "start" => fill(&mut flags.start, values::start(text)?),
         "laps" => fill(&mut flags.laps, values::laps(text)?),
+        "square" => flags.square |= values::yes(text)?,
         "tape" => fill(&mut flags.tape, values::tape(text)?),
         "chassis" => fill(&mut flags.chassis, path()),
         "out" => fill(&mut flags.out, path()),

@@ -136,6 +136,7 @@ fn words(value: &DeValue<'_>) -> Result<String, String> {
         DeValue::String(text) => Ok(text.to_string()),
         DeValue::Integer(number) => Ok(number.as_str().replace('_', "")),
         DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
+        DeValue::Boolean(yes) => Ok(yes.to_string()),
         DeValue::Array(items) => {
             let parts: Result<Vec<String>, String> =
                 items.iter().map(|item| words(item.get_ref())).collect();

@@ -39,6 +39,9 @@ pub struct Common {
     /// [default: 1]
     #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
     pub laps: Option<u32>,
+    /// Hand over nearly right angles as right ones; what was mapped is kept beside
+    #[arg(long)]
+    pub square: bool,
     /// A taped length between two points, metres
     #[arg(long, value_name = "X,Y:X,Y=M", value_parser = tape, allow_hyphen_values = true)]
     pub tape: Option<Tape>,
@@ -107,6 +110,7 @@ impl Common {
         settings.contour = self.contour.unwrap_or(settings.contour);
         settings.seed = self.seed.unwrap_or(settings.seed);
         settings.laps = self.laps.unwrap_or(settings.laps);
+        settings.square = self.square;
         settings.tape = self.tape;
         settings.chassis = body;
         settings
@@ -137,6 +141,15 @@ pub(super) fn laps(text: &str) -> Result<u32, String> {
         .ok()
         .filter(|laps| (1..=9).contains(laps))
         .ok_or_else(|| format!("`{}` is no number of laps from 1 to 9", text.trim()))
+}
+
+/// Yes or no.
+pub(super) fn yes(text: &str) -> Result<bool, String> {
+    match text.trim() {
+        "true" => Ok(true),
+        "false" => Ok(false),
+        other => Err(format!("`{other}` is neither true nor false")),
+    }
 }
 
 /// A time in seconds, not negative.

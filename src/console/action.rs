@@ -28,6 +28,8 @@ pub enum Action {
     LapAgain,
     /// Drop the lap, look for the boundary anew.
     LapAnew,
+    /// Square the map, or undo that.
+    Square,
     /// End the run and keep the map.
     Finish,
     /// Closer.
@@ -130,12 +132,13 @@ pub const ACTIONS: &[ActionInfo] = &[
         Group::Robot,
         "phase",
     ),
+    row(Action::LapAgain, "lap-again", "one lap more, averaged in", Group::Run, "lap"),
+    row(Action::LapAnew, "lap-anew", "drop the lap, look for the boundary anew", Group::Run, "lap"),
     row(Action::AlphaDown, "alpha-down", "α down by 0.05 m: finer, longer", Group::Run, "α"),
     row(Action::AlphaUp, "alpha-up", "α up by 0.05 m: coarser, shorter", Group::Run, "α"),
     row(Action::SlowDown, "slower", "simulated time slower", Group::Run, "speed"),
     row(Action::SpeedUp, "faster", "simulated time faster", Group::Run, "speed"),
-    row(Action::LapAgain, "lap-again", "one lap more, averaged in", Group::Run, ""),
-    row(Action::LapAnew, "lap-anew", "drop the lap, look for the boundary anew", Group::Run, ""),
+    row(Action::Square, "square", "nearly right angles made right, or left", Group::Run, ""),
     row(Action::Finish, "finish", "end the run here, keep the map", Group::Run, ""),
     row(Action::ZoomIn, "zoom-in", "closer", Group::Map, "zoom"),
     row(Action::ZoomOut, "zoom-out", "further away", Group::Map, "zoom"),

@@ -110,6 +110,7 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::SpeedUp => return set_speed(model, Speed::faster),
         Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
         Action::LapAnew => return vec![Effect::Intent(Intent::LapAnew)],
+        Action::Square => return vec![Effect::Intent(Intent::Square)],
         Action::Finish => return vec![Effect::Intent(Intent::Finish)],
         Action::ZoomIn | Action::ZoomOut | Action::Follow | Action::Fit => {
             look(model, snapshot, action);

@@ -58,11 +58,24 @@ struct Boundary {
     area_m2: f64,
     /// Closed laps, those round objects met in the search included.
     laps: u32,
+    /// How many laps the boundary is the mean of.
+    averaged_laps: u32,
     misclosure: Option<MisclosureFigures>,
     /// Null until there is an outline.
     standard_error: Option<ErrorFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    squared: Option<SquaredFigures>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     taped: Option<TapedFigures>,
+}
+
+/// What squaring changed; what was mapped is in `map.json`.
+#[derive(Serialize)]
+struct SquaredFigures {
+    walls: usize,
+    left: usize,
+    turned_deg: f64,
+    moved_m: f64,
 }
 
 /// Standard errors in the map frame, metres.
@@ -187,8 +200,15 @@ fn outline(record: &RunRecord<'_>) -> Option<Boundary> {
         perimeter_m: rounded(ring.perimeter(), 4),
         area_m2: rounded(ring.area().abs(), 4),
         laps: record.laps,
+        averaged_laps: record.map.laps,
         misclosure: record.map.misclosure.as_ref().map(misclosure),
         standard_error: record.map.accuracy.as_ref().and_then(errors),
+        squared: record.map.squared.as_ref().map(|squared| SquaredFigures {
+            walls: squared.walls,
+            left: squared.left,
+            turned_deg: rounded(squared.turned.to_degrees(), 3),
+            moved_m: rounded(squared.moved, 4),
+        }),
         taped: record.map.taped.map(|taped| TapedFigures {
             mapped_m: rounded(taped.mapped, 4),
             taped_m: taped.taped,

@@ -115,6 +115,21 @@ pub enum EventKind {
         /// How many parts.
         parts: usize,
     },
+    /// Nearly right angles of the map handed over are right.
+    MadeSquare {
+        /// Walls along the axes.
+        walls: usize,
+        /// Straight walls that stay as they were.
+        left: usize,
+        /// The farthest that a wall was turned, radians.
+        turned: f64,
+        /// The farthest that a corner was moved, metres.
+        moved: f64,
+    },
+    /// There are no nearly right angles.
+    NothingSquare,
+    /// The map is handed over as it was mapped.
+    Unsquared,
     /// The map was stretched to a taped length.
     TapeLaid {
         /// The length on the map before, metres.

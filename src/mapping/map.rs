@@ -3,6 +3,7 @@
 
 use super::accuracy::Accuracy;
 use super::settings::Strategy;
+use super::square::{Squared, square};
 use super::tape::Taped;
 use super::trust::Doubted;
 use crate::geometry::{Point, Pose, Ring, Vector};
@@ -312,6 +313,20 @@ pub fn stretches(path: &[PathPoint]) -> impl Iterator<Item = &[PathPoint]> {
     path.chunk_by(|_, next| !next.carried)
 }
 
+impl RoomMap {
+    /// The map with its nearly right angles right, if it has any.
+    #[must_use]
+    pub fn squared(mut self) -> Self {
+        if let Some(shape) = &mut self.shape
+            && let Some((outline, squared)) = square(&shape.outline)
+        {
+            shape.outline = outline;
+            self.squared = Some(squared);
+        }
+        self
+    }
+}
+
 /// Everything known so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RoomMap {
@@ -339,6 +354,9 @@ pub struct RoomMap {
     /// How many laps of the boundary it is made of.
     #[serde(default)]
     pub laps: u32,
+    /// What squaring changed, if it was asked for; the outline is squared then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub squared: Option<Squared>,
     /// What a taped length made of the map, if one was given and fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taped: Option<Taped>,

@@ -18,6 +18,7 @@ use super::relocate::Relocation;
 use super::retrace::{Beside, Retrace};
 use super::search::Search;
 use super::settings::Settings;
+use super::square::{Squared, square};
 use super::survey::Survey;
 use super::tape::Tape;
 use super::tour::Tour;
@@ -238,7 +239,7 @@ impl Mission {
         if !map.closed {
             map.contacts = self.live_contacts();
         }
-        map
+        if self.settings.square { map.squared() } else { map }
     }
 
     /// The contacts of the lap or round that is under way, as they were seen.
@@ -283,6 +284,28 @@ impl Mission {
             self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
         }
         true
+    }
+
+    /// Squares the map that is handed over, or undoes that.
+    pub fn toggle_square(&mut self, out: &mut Vec<Output>) {
+        self.settings.square = !self.settings.square;
+        if self.settings.square {
+            self.tell_squared(out);
+        } else {
+            self.tell(EventKind::Unsquared, out);
+        }
+    }
+
+    /// Tells what squaring makes of the outline, if that is wanted.
+    fn tell_squared(&mut self, out: &mut Vec<Output>) {
+        let Some(shape) = self.map.shape.as_ref().filter(|_| self.settings.square) else {
+            return;
+        };
+        let told = square(&shape.outline).map_or(EventKind::NothingSquare, |(_, squared)| {
+            let Squared { walls, left, turned, moved, .. } = squared;
+            EventKind::MadeSquare { walls, left, turned, moved }
+        });
+        self.tell(told, out);
     }
 
     /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of

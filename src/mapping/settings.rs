@@ -54,6 +54,9 @@ pub struct Settings {
     /// How often the robot goes round the boundary, once at least; each lap after the first is averaged in.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub laps: u32,
+    /// Nearly right angles of the map are handed over right.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub square: bool,
     /// A length measured by tape, which the map is stretched to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tape: Option<Tape>,
@@ -72,6 +75,7 @@ impl Settings {
             seed: 1,
             start,
             laps: 1,
+            square: false,
             tape: None,
             chassis: Chassis::default(),
         }

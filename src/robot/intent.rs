@@ -43,6 +43,8 @@ pub enum Intent {
     /// The lap that has closed is dropped, and the boundary looked for anew, as long as no line of the plan
     /// is driven yet.
     LapAnew,
+    /// Square the map that is handed over, or undo that; the robot drives by what it saw all the same.
+    Square,
     /// The robot was carried, or started anew, and stands elsewhere: it has to find its place before it
     /// goes on. With no boundary closed yet there is nothing to know a place by; the lap begins anew
     /// from where it was put, or from the start.

@@ -67,6 +67,7 @@ impl Driver for RecordedDriver {
             | Intent::SetTape { .. }
             | Intent::LapAgain
             | Intent::LapAnew
+            | Intent::Square
             | Intent::Placed { .. } => {}
         }
     }

@@ -7,6 +7,7 @@ use crate::console::command::Command;
 use crate::console::model::{Model, Overlay};
 use crate::console::theme::{Role, Theme};
 use crate::console::update::may_move;
+use crate::mapping::map::Phase;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -106,6 +107,11 @@ fn matters(info: &ActionInfo, snapshot: &Snapshot) -> bool {
             Action::ClearStop => stopped,
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
                 !stopped && !over
+            }
+            // A lap has closed, and nothing was made of it yet that driving would spoil.
+            Action::LapAgain | Action::LapAnew => {
+                snapshot.run == RunState::Paused
+                    && matches!(snapshot.phase, Phase::Shape | Phase::Plan)
             }
             _ => true,
         }

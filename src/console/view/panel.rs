@@ -100,6 +100,9 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let text = format!("{} {:.2}° {ratio}", words::small(size), off.heading.to_degrees());
         rows.push(("misclos", text, Role::Value));
     }
+    if map.laps > 1 {
+        rows.push(("laps", format!("{}, averaged", map.laps), Role::Value));
+    }
     if let Some(shape) = &map.shape {
         let vertices = words::count(shape.vertices.len(), "vertex", "vertices");
         rows.push(("shape", format!("{}, {vertices}", shape.class), Role::Value));
@@ -113,6 +116,11 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         walls.sort_by(f64::total_cmp);
         let median = words::small(walls.get(walls.len() / 2).copied().unwrap_or(worst));
         rows.push(("± walls", format!("{median}, to {}", words::small(worst)), Role::Text));
+    }
+    if let Some(squared) = &map.squared {
+        let (turned, moved) = (squared.turned.to_degrees(), words::small(squared.moved));
+        let walls = words::count(squared.walls, "wall", "walls");
+        rows.push(("squared", format!("{walls}, {turned:.1}°, {moved}"), Role::Value));
     }
     if let Some(plan) = &map.plan {
         let name = match plan.figures.strategy {

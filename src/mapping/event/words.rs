@@ -91,6 +91,21 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What squaring did.
+fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    match kind {
+        EventKind::MadeSquare { walls, left, turned, moved } => write!(
+            f,
+            "squared: {walls} walls turned by {:.1}° at most, corners moved by {:.0} mm; {left} left",
+            turned.to_degrees(),
+            moved * 1e3
+        ),
+        EventKind::NothingSquare => f.write_str("nothing to square: no walls at right angles"),
+        EventKind::Unsquared => f.write_str("no longer squared: the map is as it was mapped"),
+        _ => Ok(()),
+    }
+}
+
 /// What became of laps after the first.
 fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
@@ -223,6 +238,7 @@ impl fmt::Display for EventKind {
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
                 hidden_disc * 1e3
             ),
+            Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
             Self::LapsWanted { .. }
             | Self::LapAgain { .. }
             | Self::LapAveraged { .. }

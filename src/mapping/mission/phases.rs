@@ -216,6 +216,7 @@ impl Mission {
         let start = self.settings.start.position;
         Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
         self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
+        self.tell_squared(out);
         self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);
         self.phase = Phase::Plan;
         self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
@@ -317,6 +318,7 @@ impl Mission {
             {
                 self.tell(EventKind::StillHidden { diameter, at }, out);
             }
+            self.tell_squared(out);
             self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;
             self.tell(EventKind::Complete, out);

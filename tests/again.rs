@@ -1,0 +1,178 @@
+//! What the operator may do about a closed lap: drive it again, drop it, square what it made.
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use periplus::geometry::Point;
+use periplus::mapping::event::EventKind;
+use periplus::mapping::map::{Phase, RoomMap};
+use periplus::mapping::settings::Settings;
+use periplus::robot::Intent;
+use periplus::runtime::simulated::SimulatedRun;
+use periplus::session::snapshot::RunState;
+use periplus::simulator::{NoiseProfile, World};
+use std::io::Sink;
+
+const ROOM: &str = include_str!("../sims/l_room.toml");
+
+fn world() -> World {
+    World::from_toml(ROOM, "l_room", 0.1).expect("a world")
+}
+
+fn mapped(seed: u64, laps: u32) -> RoomMap {
+    let world = world();
+    let settings = Settings { seed, laps, ..Settings::new(world.start) };
+    common::mapped(&world, settings, NoiseProfile::Raw, Phase::Plan)
+}
+
+/// Root mean square difference between how far the mapped corners are from each other and how far those of
+/// the room are, the map stretched as a whole: what laps can average, and no tape is needed for.
+fn crookedness(map: &RoomMap) -> f64 {
+    // As in sims/l_room.toml.
+    let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.4, 2.0), (2.4, 4.5), (0.0, 4.5)];
+    let truth = corners.map(|(x, y)| Point::new(x, y));
+    let shape = map.shape.as_ref().expect("a shape");
+    let nearest = |at: Point| {
+        let by = |a: &&Point, b: &&Point| (*a - at).norm().total_cmp(&(*b - at).norm());
+        *shape.vertices.iter().min_by(by).expect("corners")
+    };
+    let mapped = truth.map(nearest);
+    let mut pairs = Vec::new();
+    for a in 0..truth.len() {
+        for b in 0..a {
+            pairs.push(((truth[a] - truth[b]).norm(), (mapped[a] - mapped[b]).norm()));
+        }
+    }
+    let scale = pairs.iter().map(|(t, m)| t * m).sum::<f64>()
+        / pairs.iter().map(|(_, m)| m * m).sum::<f64>();
+    let off = pairs.iter().map(|(t, m)| (t - scale * m).powi(2)).sum::<f64>();
+    (off / pairs.len() as f64).sqrt()
+}
+
+fn until_paused(run: &mut SimulatedRun<Sink>) {
+    while run.is_under_way() && run.session().run_state() != RunState::Paused {
+        run.advance();
+    }
+}
+
+fn step(run: &mut SimulatedRun<Sink>) {
+    run.intent(Intent::StepPhase);
+    until_paused(run);
+}
+
+fn told(run: &SimulatedRun<Sink>, what: impl Fn(&EventKind) -> bool) -> usize {
+    run.session().events().iter().filter(|event| what(&event.kind)).count()
+}
+
+#[test]
+fn a_lap_more_makes_the_map_truer() {
+    let mean =
+        |laps: u32| (1..=6).map(|seed| crookedness(&mapped(seed, laps)).powi(2)).sum::<f64>();
+    let (one, three) = ((mean(1) / 6.0).sqrt(), (mean(3) / 6.0).sqrt());
+    assert!(three < 0.8 * one, "{three} of {one}");
+    let map = mapped(1, 3);
+    assert_eq!(map.laps, 3);
+    let worst =
+        |map: &RoomMap| map.accuracy.as_ref().expect("errors").worst_corner().expect("corners").1;
+    assert!(worst(&map) < worst(&mapped(1, 1)), "and says so");
+}
+
+#[test]
+fn a_lap_more_may_be_asked_for_until_a_line_is_driven() {
+    let world = world();
+    let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::Calibrated);
+    for _ in 0..3 {
+        step(&mut run);
+    }
+    assert_eq!(run.snapshot().phase, Phase::Objects);
+    run.intent(Intent::LapAgain);
+    assert_eq!(run.snapshot().phase, Phase::Boundary, "back to the boundary");
+    assert!(run.snapshot().progress.iter().all(|phase| !phase.done), "all phases come again");
+    for _ in 0..3 {
+        step(&mut run);
+    }
+    assert_eq!(told(&run, |kind| matches!(kind, EventKind::LapAveraged { lap: 2, .. })), 1);
+    assert_eq!(run.snapshot().map.laps, 2);
+    let again = run.snapshot().map.plan.expect("a plan, made anew");
+    assert!(again.figures.lines > 0);
+    run.intent(Intent::Run);
+    while run.is_under_way() && told(&run, |kind| matches!(kind, EventKind::LineDriven { .. })) == 0
+    {
+        run.advance();
+    }
+    run.intent(Intent::LapAgain);
+    run.intent(Intent::LapAnew);
+    assert_eq!(run.snapshot().phase, Phase::Objects, "too late");
+    while run.is_under_way() {
+        run.advance();
+    }
+    assert_eq!(run.session().run_state(), RunState::Complete);
+    assert_eq!(run.snapshot().map.laps, 2);
+}
+
+#[test]
+fn a_lap_asked_for_while_the_first_is_driven_comes_after_it() {
+    let world = world();
+    let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::None);
+    run.intent(Intent::Run);
+    for _ in 0..50 {
+        run.advance();
+    }
+    run.intent(Intent::LapAgain);
+    while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
+        run.advance();
+    }
+    assert_eq!(run.snapshot().map.laps, 2);
+}
+
+#[test]
+fn a_lap_that_is_dropped_is_driven_anew() {
+    let world = world();
+    let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::Calibrated);
+    step(&mut run);
+    step(&mut run);
+    assert!(run.snapshot().map.shape.is_some());
+    run.intent(Intent::LapAnew);
+    let map = run.snapshot().map;
+    assert!(map.shape.is_none() && !map.closed && map.contacts.is_empty(), "nothing is left of it");
+    step(&mut run);
+    assert_eq!(told(&run, |kind| matches!(kind, EventKind::LapClosed { extrinsic: false, .. })), 2);
+    assert!(run.snapshot().map.closed);
+    run.intent(Intent::Run);
+    while run.is_under_way() {
+        run.advance();
+    }
+    assert_eq!(run.session().run_state(), RunState::Complete);
+}
+
+#[test]
+fn squaring_is_told_and_undone_and_the_robot_drives_as_if_it_were_not() {
+    let world = world();
+    let run = |square: bool| {
+        let settings = Settings { square, ..Settings::new(world.start) };
+        let mut run = common::begun(&world, settings, NoiseProfile::Raw);
+        run.intent(Intent::Run);
+        while run.is_under_way() {
+            run.advance();
+        }
+        run
+    };
+    let (plain, mut squared) = (run(false), run(true));
+    let (mapped, handed) = (plain.snapshot().map, squared.snapshot().map);
+    assert_eq!(mapped.path, handed.path, "the same way");
+    let figures = handed.squared.clone().expect("an L has right angles");
+    assert_eq!((figures.walls, figures.left), (6, 0));
+    assert!(figures.moved > 1e-4 && figures.turned > 1e-4, "{figures:?}");
+    assert_eq!(Some(&figures.before), mapped.shape.as_ref().map(|shape| &shape.outline));
+    let corners = &handed.shape.as_ref().expect("a shape").outline.pieces;
+    for (k, piece) in corners.iter().enumerate() {
+        let next = corners[(k + 1) % corners.len()];
+        assert!(piece.tangent(0.5).dot(&next.tangent(0.5)).abs() < 1e-9);
+    }
+    // Undone after the run, and done again.
+    squared.intent(Intent::Square);
+    assert_eq!(squared.snapshot().map.shape, mapped.shape);
+    assert_eq!(told(&squared, |kind| matches!(kind, EventKind::Unsquared)), 1);
+    squared.intent(Intent::Square);
+    assert_eq!(squared.snapshot().map.squared, Some(figures));
+}

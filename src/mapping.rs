@@ -27,4 +27,5 @@ pub mod survey;
 pub mod tape;
 pub mod tour;
 pub mod trust;
+pub mod unreached;
 pub mod wall;

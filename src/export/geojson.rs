@@ -6,6 +6,7 @@ use super::{RunRecord, boundary, closed_positions, position, rounded, surface_po
 use crate::geometry::{Point, Pose};
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine};
 use crate::mapping::settings::Strategy;
+use crate::mapping::unreached::Unreached;
 use serde_json::{Map, Value, json};
 
 /// The record as the text of a GeoJSON file, one feature a line.
@@ -25,6 +26,11 @@ fn features(record: &RunRecord<'_>) -> Vec<Value> {
     all.extend(outline(record));
     let radius = record.settings.chassis.radius;
     all.extend(record.map.objects.iter().flat_map(|thing| object(thing, radius)));
+    all.extend(record.map.unreached.iter().map(gap));
+    if let Some(squared) = &record.map.squared {
+        let mapped = squared.before.to_points(super::SAGITTA);
+        all.extend(open("boundary_mapped", &mapped, json!({})));
+    }
     if let Some(plan) = &record.map.plan {
         // A shorter plan does without most of the paper's lines, which can be a hundred thousand;
         // only the paper's own plan is told whole (figure 8).
@@ -65,6 +71,13 @@ fn outline(record: &RunRecord<'_>) -> Option<Value> {
         return Some(feature("boundary", "Polygon", json!([ring]), more));
     }
     open("boundary_open", &surface_points(record.map), json!({}))
+}
+
+/// A gap that the robot does not pass, where it is narrowest.
+fn gap(unreached: &Unreached) -> Value {
+    let area = unreached.area.map(|area| rounded(area, 2));
+    let more = json!({ "width": rounded(unreached.width, 3), "area_behind": area });
+    feature("gap", "Point", json!(position(unreached.at)), more)
 }
 
 /// A line through points that do not close; none for fewer than two.

@@ -7,6 +7,7 @@ use crate::mapping::map::{
 };
 use crate::mapping::settings::{Contour, Strategy};
 use crate::mapping::trust::Doubted;
+use crate::mapping::unreached::Unreached;
 use serde::Serialize;
 
 /// The report as the text of a JSON file. `map_bytes` is the size of `map.json`.
@@ -34,6 +35,8 @@ struct Report<'a> {
     plan: Option<PlanReport>,
     objects: Vec<Object>,
     passable_gap_m: f64,
+    /// Floor behind gaps that are too narrow.
+    unreached: Vec<Gap>,
     bumps: u32,
     /// Switches that gave themselves away as broken.
     #[serde(skip_serializing_if = "<[Doubted]>::is_empty")]
@@ -41,6 +44,27 @@ struct Report<'a> {
     contact_m: f64,
     map_bytes: usize,
     wall_s: f64,
+}
+
+/// A gap that the robot does not pass, where it is narrowest.
+#[derive(Serialize)]
+struct Gap {
+    x_m: f64,
+    y_m: f64,
+    width_m: f64,
+    /// Floor for the body's centre behind it; null where nobody knows.
+    area_m2: Option<f64>,
+}
+
+impl Gap {
+    fn of(unreached: &Unreached) -> Self {
+        Self {
+            x_m: rounded(unreached.at.x, 3),
+            y_m: rounded(unreached.at.y, 3),
+            width_m: rounded(unreached.width, 3),
+            area_m2: unreached.area.map(|area| rounded(area, 2)),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -69,7 +93,7 @@ struct Boundary {
     taped: Option<TapedFigures>,
 }
 
-/// What squaring changed; what was mapped is in `map.json`.
+/// What squaring changed; what was mapped is in `map.geojson`.
 #[derive(Serialize)]
 struct SquaredFigures {
     walls: usize,
@@ -171,6 +195,7 @@ impl<'a> Report<'a> {
             plan: map.plan.as_ref().map(|plan| plan_report(plan, map.hidden_disc)),
             objects: objects(record),
             passable_gap_m: rounded(record.settings.chassis.passable_gap(), 4),
+            unreached: map.unreached.iter().map(Gap::of).collect(),
             bumps: record.bumps,
             broken_switches: &map.doubted,
             contact_m: rounded(record.contact, 4),

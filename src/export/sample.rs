@@ -94,6 +94,7 @@ pub(crate) fn room() -> Sample {
             corners: vec![0.0061, 0.0117, 0.0123, 0.0082, 0.0069],
             objects: vec![0.0075; 3],
         }),
+        unreached: Vec::new(),
         laps: 1,
         squared: None,
         taped: None,

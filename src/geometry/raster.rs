@@ -70,6 +70,26 @@ impl Grid {
         y * self.width + x
     }
 
+    /// The eight cells around a cell, straight ones first, as far as they exist.
+    #[must_use]
+    pub fn neighbours(&self, cell: usize) -> [Option<usize>; 8] {
+        let (x, y) = (cell % self.width, cell / self.width);
+        let (w, e) = (x > 0, x + 1 < self.width);
+        let (s, n) = (y > 0, y + 1 < self.height);
+        let up = cell + self.width;
+        let at = |there: bool, index: usize| there.then_some(index);
+        [
+            at(e, cell + 1),
+            at(n, up),
+            at(w, cell.wrapping_sub(1)),
+            at(s, cell.wrapping_sub(self.width)),
+            at(e && n, up + 1),
+            at(w && n, up.wrapping_sub(1)),
+            at(w && s, cell.wrapping_sub(self.width + 1)),
+            at(e && s, cell.wrapping_sub(self.width).wrapping_add(1)),
+        ]
+    }
+
     /// The value of a raster at `p`, blended from the four cells around it; beyond the rim, that
     /// of the rim.
     #[must_use]

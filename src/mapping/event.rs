@@ -115,6 +115,24 @@ pub enum EventKind {
         /// How many parts.
         parts: usize,
     },
+    /// There is floor that cannot be reached.
+    Unreached {
+        /// Where the gap is narrowest.
+        at: Point,
+        /// How wide it is there, metres.
+        width: f64,
+        /// Floor for the body's centre behind it, square metres.
+        area: f64,
+    },
+    /// Nobody touched these stretches of the outline: gaps that the robot did not enter, or wall.
+    Untouched {
+        /// How many there are.
+        count: usize,
+        /// The narrowest, metres.
+        least: f64,
+        /// The widest, metres.
+        most: f64,
+    },
     /// Nearly right angles of the map handed over are right.
     MadeSquare {
         /// Walls along the axes.

@@ -6,6 +6,7 @@ use super::settings::Strategy;
 use super::square::{Squared, square};
 use super::tape::Taped;
 use super::trust::Doubted;
+use super::unreached::Unreached;
 use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
 
@@ -351,6 +352,9 @@ pub struct RoomMap {
     /// How well it is known, once there is an outline.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
+    /// Floor that cannot be reached, or may be there, behind gaps too narrow.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unreached: Vec<Unreached>,
     /// How many laps of the boundary it is made of.
     #[serde(default)]
     pub laps: u32,

@@ -23,7 +23,7 @@ mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed};
-pub use neck::islands;
+pub use neck::{islands, mouths};
 pub use object::{KNOWN, Thing, class_of, is_mapped, object_outline, things};
 
 use super::event::Failure;

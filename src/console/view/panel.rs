@@ -144,5 +144,10 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let note = if open > 0 { format!(", {open} open") } else { String::new() };
         rows.push(("objects", format!("{objects}{note}"), Role::Value));
     }
+    if !map.unreached.is_empty() {
+        let most = map.unreached.iter().map(|gap| gap.width).fold(0.0, f64::max);
+        let gaps = words::count(map.unreached.len(), "gap", "gaps");
+        rows.push(("narrow", format!("{gaps}, to {}", words::small(most)), Role::Text));
+    }
     rows
 }

@@ -91,6 +91,33 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What is out of reach.
+fn out_of_reach(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    match kind {
+        EventKind::Unreached { at, width, area } => write!(
+            f,
+            "a gap of {:.0} mm at ({:.2}, {:.2}) is too narrow: {area:.2} m² not reached",
+            width * 1e3,
+            at.x,
+            at.y
+        ),
+        EventKind::Untouched { count: 1, most, .. } => {
+            write!(
+                f,
+                "{:.0} mm of the outline touched by nobody: a narrow gap, or wall",
+                most * 1e3
+            )
+        }
+        EventKind::Untouched { count, least, most } => write!(
+            f,
+            "{count} stretches of {:.0} to {:.0} mm touched by nobody: narrow gaps, or wall",
+            least * 1e3,
+            most * 1e3
+        ),
+        _ => Ok(()),
+    }
+}
+
 /// What squaring did.
 fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
@@ -238,6 +265,7 @@ impl fmt::Display for EventKind {
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
                 hidden_disc * 1e3
             ),
+            Self::Unreached { .. } | Self::Untouched { .. } => out_of_reach(f, self),
             Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
             Self::LapsWanted { .. }
             | Self::LapAgain { .. }

@@ -6,8 +6,8 @@
 //! distance to the path - (r + d)). The raster gives the neighbourhood of each maximum and exact
 //! distances the rest, so its pitch hardly matters.
 
+use super::Floor;
 use super::corner::Corner;
-use super::{Floor, reach};
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::raster::{Grid, Nearest};
 use crate::geometry::{Point, Segment, Vector};
@@ -151,7 +151,7 @@ impl<'a> Unswept<'a> {
     /// so that a long corridor does not count as a thousand maxima.
     fn is_top(&self, cell: usize) -> bool {
         let value = self.field[cell];
-        reach::neighbours(&self.floor.grid, cell).into_iter().flatten().all(|near| {
+        self.floor.grid.neighbours(cell).into_iter().flatten().all(|near| {
             let other = self.field[near];
             other <= value + LEVEL && (near > cell || other < value - LEVEL)
         })

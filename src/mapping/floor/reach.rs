@@ -49,7 +49,7 @@ impl Floor {
         for _ in 0..steps {
             let mut next = Vec::new();
             for &cell in &rim {
-                for near in neighbours(&self.grid, cell).into_iter().flatten() {
+                for near in self.grid.neighbours(cell).into_iter().flatten() {
                     if !sent[near] && self.free[near] >= body {
                         sent[near] = true;
                         next.push(near);
@@ -111,25 +111,6 @@ fn nearest_open(grid: &Grid, open: &[bool], from: Point) -> Option<usize> {
         let off = |k: usize| (grid.point(k) - from).norm_squared();
         off(a).total_cmp(&off(b))
     })
-}
-
-/// The eight cells around a cell, straight ones first, as far as they exist.
-pub(super) fn neighbours(grid: &Grid, cell: usize) -> [Option<usize>; 8] {
-    let (x, y) = (cell % grid.width, cell / grid.width);
-    let (w, e) = (x > 0, x + 1 < grid.width);
-    let (s, n) = (y > 0, y + 1 < grid.height);
-    let up = cell + grid.width;
-    let at = |there: bool, index: usize| there.then_some(index);
-    [
-        at(e, cell + 1),
-        at(n, up),
-        at(w, cell.wrapping_sub(1)),
-        at(s, cell.wrapping_sub(grid.width)),
-        at(e && n, up + 1),
-        at(w && n, up.wrapping_sub(1)),
-        at(w && s, cell.wrapping_sub(grid.width + 1)),
-        at(e && s, cell.wrapping_sub(grid.width).wrapping_add(1)),
-    ]
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! Nilsson and Raphael 1968), then pulled tight into few straight legs, each of which is checked
 //! against the outlines themselves.
 
-use super::{Floor, reach};
+use super::Floor;
 use crate::geometry::Point;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -103,7 +103,7 @@ impl Floor {
             if total > cost[cell] + self.to_go(cell, goal_at) + 1e-4 {
                 continue;
             }
-            for (k, near) in reach::neighbours(grid, cell).into_iter().enumerate() {
+            for (k, near) in grid.neighbours(cell).into_iter().enumerate() {
                 let Some(near) = near else { continue };
                 if self.free[near] < most && near != goal {
                     continue;

@@ -17,6 +17,7 @@ use crate::mapping::shape::{self, Enclosed};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
 use crate::mapping::tour::{Scene, Tour};
+use crate::mapping::unreached::{Unreached, unreached};
 
 /// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
 /// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
@@ -318,11 +319,31 @@ impl Mission {
             {
                 self.tell(EventKind::StillHidden { diameter, at }, out);
             }
+            self.tell_unreached(out);
             self.tell_squared(out);
             self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;
             self.tell(EventKind::Complete, out);
         }
+    }
+
+    /// Looks for floor that the robot does not get to, and tells of it.
+    fn tell_unreached(&mut self, out: &mut Vec<Output>) {
+        let Some(shape) = &self.map.shape else { return };
+        let (chassis, here) = (&self.settings.chassis, self.tracker.pose().position);
+        let map = &self.map;
+        let found = unreached(&shape.outline, &map.contacts, &map.objects, chassis, here);
+        for Unreached { at, width, area } in found.iter().copied() {
+            if let Some(area) = area {
+                self.tell(EventKind::Unreached { at, width, area }, out);
+            }
+        }
+        let untouched = || found.iter().filter(|one| one.area.is_none()).map(|one| one.width);
+        if let Some(most) = untouched().max_by(f64::total_cmp) {
+            let (count, least) = (untouched().count(), untouched().fold(most, f64::min));
+            self.tell(EventKind::Untouched { count, least, most }, out);
+        }
+        self.map.unreached = found;
     }
 
     /// Fits the outline once more, to contacts that all the touches of the tour have put right. What

@@ -18,6 +18,12 @@ const END: f64 = 0.045;
 /// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
 /// every purpose of the robot's.
 const SHORTEST: f64 = 0.05;
+/// Where a wall ends, the outline turns away from the floor by at least this (sine).
+const WALL_ENDS: f64 = 0.17;
+/// No more than this is seen of the end face of a wall beside a gap, metres.
+const END_FACE: f64 = 0.1;
+/// Narrower gaps are none that anybody would want to know of, metres.
+const NARROWEST: f64 = 0.08;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres.
@@ -101,6 +107,30 @@ fn is_chord(piece: &Piece, floor: Floor, touched: &[(Point, Point)], widest: f64
         let behind = left * cross(along, seen_from - p) < 0.0;
         (end..length - end).contains(&s) && piece.distance(*p) < SUPPORT && !behind
     })
+}
+
+/// The chords of a room's `outline` across gaps that the robot did not enter: near one end of each a
+/// wall ends, at once or behind what was seen of its end face. Between two walls that both go on
+/// behind it, a chord only cuts off their corner.
+#[must_use]
+pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Piece> {
+    let pieces = &outline.pieces;
+    let count = pieces.len();
+    let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();
+    let turns = |k: usize| {
+        let (before, after) = (&pieces[(k + count - 1) % count], &pieces[k % count]);
+        cross(before.tangent(1.0), after.tangent(0.0)) < -WALL_ENDS
+    };
+    // Corners reached from the chord over no more than an end face.
+    let face = |k: usize| pieces[k % count].length() < END_FACE;
+    let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
+    let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
+    (0..count)
+        .filter(|&k| pieces[k].length() > NARROWEST)
+        .filter(|&k| is_chord(&pieces[k], Floor::Inside, &touched, chassis.passable_gap()))
+        .filter(|&k| ends_before(k) || ends_after(k))
+        .map(|k| pieces[k])
+        .collect()
 }
 
 /// The two parts of `outline`, where two chords join them and nothing else does: for a room, its

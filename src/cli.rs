@@ -37,6 +37,9 @@ pub enum Command {
     Console(ConsoleArgs),
     /// Map without a terminal and write the results
     Run(RunArgs),
+    /// Measure wheels and gyro on laps driven both ways round, and write `chassis.toml`; as `run`
+    /// with `--laps 2 --until shape` and a `--tape` if there is one
+    Calibrate(RunArgs),
     /// A simulated robot that speaks the wire protocol
     Robot(RobotArgs),
     /// Open the console over a recorded run

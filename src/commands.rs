@@ -24,6 +24,7 @@ pub fn dispatch(cli: Cli) -> u8 {
         None => console(cli.console),
         Some(Command::Console(args)) => console(args),
         Some(Command::Run(args)) => run::run(args),
+        Some(Command::Calibrate(args)) => run::calibrate(args),
         Some(Command::Replay(args)) => replay(&args),
         Some(Command::Snapshot(args)) => snapshot(&args),
         Some(Command::Export(args)) => export::export(&args),

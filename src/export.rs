@@ -3,6 +3,7 @@
 //! the time or asks the robot. True poses from a simulator pass through [`geojson`] and are
 //! written nowhere else.
 
+pub mod body;
 pub mod geojson;
 pub mod native;
 pub mod picture;

@@ -4,6 +4,7 @@
 pub mod accuracy;
 pub mod adjust;
 pub mod ahead;
+pub mod calibration;
 pub mod chart;
 pub mod circuit;
 pub mod drift;

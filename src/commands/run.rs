@@ -3,6 +3,7 @@
 use super::{CommandError, glue, output, real, world};
 use crate::cli::{ArgumentError, RunArgs};
 use crate::journal::{Header, Journal};
+use crate::mapping::map::Phase;
 use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
 use std::path::Path;
 
@@ -39,6 +40,23 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;
     let driven = drive(&mut *runner, &signals);
     finish(&mut *runner, &driven, &folder)
+}
+
+/// Laps both ways round, for what they tell of the robot.
+const BOTH_WAYS: u32 = 2;
+
+/// Measures wheels and gyro, writes `chassis.toml` besides the results and gives the exit status.
+///
+/// # Errors
+/// As [`run`].
+pub fn calibrate(mut args: RunArgs) -> Result<u8, CommandError> {
+    if args.common.laps.is_some_and(|laps| laps < BOTH_WAYS) {
+        let why = "--laps: two at least, one way round and the other, or nothing is measured";
+        return Err(CommandError::Input(why.to_owned()));
+    }
+    args.common.laps.get_or_insert(BOTH_WAYS);
+    args.until.get_or_insert(Phase::Shape);
+    run(args)
 }
 
 /// Writes what is known, however the run ended.

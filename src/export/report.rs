@@ -2,6 +2,7 @@
 
 use super::{Outcome, PHASES, RunRecord, boundary, rectangle, rounded};
 use crate::mapping::accuracy::Accuracy;
+use crate::mapping::calibration::{Calibration, Measured};
 use crate::mapping::map::{
     Misclosure, ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
 };
@@ -34,6 +35,9 @@ struct Report<'a> {
     shape: Option<ShapeFigures>,
     plan: Option<PlanReport>,
     objects: Vec<Object>,
+    /// What laps driven both ways round tell of wheels and gyro.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    calibration: Option<CalibrationFigures>,
     passable_gap_m: f64,
     /// Floor behind gaps that are too narrow.
     unreached: Vec<Gap>,
@@ -44,6 +48,40 @@ struct Report<'a> {
     contact_m: f64,
     map_bytes: usize,
     wall_s: f64,
+}
+
+/// Wheels and gyro as measured; `chassis.toml` holds what a robot can be given of it.
+#[derive(Serialize)]
+struct CalibrationFigures {
+    wheel_base_m: Figure,
+    /// A tick of the right wheel over one of the left.
+    wheel_ratio: Figure,
+    gyro_scale: Figure,
+    gyro_drift_deg_per_h: Figure,
+    tick_m: f64,
+}
+
+#[derive(Serialize)]
+struct Figure {
+    value: f64,
+    standard_error: f64,
+}
+
+impl CalibrationFigures {
+    fn of(known: &Calibration) -> Self {
+        let figure = |measured: Measured, unit: f64, decimals: i32| Figure {
+            value: rounded(measured.value * unit, decimals),
+            standard_error: rounded(measured.sd * unit, decimals),
+        };
+        let ratio = known.wheel_ratio;
+        Self {
+            wheel_base_m: figure(known.wheel_base, 1.0, 5),
+            wheel_ratio: figure(Measured { value: 1.0 / ratio.value, ..ratio }, 1.0, 5),
+            gyro_scale: figure(known.gyro_scale, 1.0, 5),
+            gyro_drift_deg_per_h: figure(known.gyro_drift, 1.0_f64.to_degrees() * 3600.0, 1),
+            tick_m: rounded(known.tick, 9),
+        }
+    }
 }
 
 /// A gap that the robot does not pass, where it is narrowest.
@@ -194,6 +232,7 @@ impl<'a> Report<'a> {
             shape: map.shape.as_ref().map(shape),
             plan: map.plan.as_ref().map(|plan| plan_report(plan, map.hidden_disc)),
             objects: objects(record),
+            calibration: map.calibration.as_ref().map(CalibrationFigures::of),
             passable_gap_m: rounded(record.settings.chassis.passable_gap(), 4),
             unreached: map.unreached.iter().map(Gap::of).collect(),
             bumps: record.bumps,

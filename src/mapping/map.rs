@@ -2,6 +2,7 @@
 //! Every phase adds its part; the screen and the exports read it.
 
 use super::accuracy::Accuracy;
+use super::calibration::Calibration;
 use super::settings::Strategy;
 use super::square::{Squared, square};
 use super::tape::Taped;
@@ -355,6 +356,9 @@ pub struct RoomMap {
     /// Floor that cannot be reached, or may be there, behind gaps too narrow.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unreached: Vec<Unreached>,
+    /// What the laps have found out about wheels and gyro, once they were driven both ways round.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
     /// How many laps of the boundary it is made of.
     #[serde(default)]
     pub laps: u32,

@@ -21,6 +21,7 @@ pub use balance::Step;
 pub use motion::STRIDE_SHARE;
 pub use sight::{Look, Surface};
 
+use super::calibration::Measured;
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, SMatrix, Vector3};
@@ -28,8 +29,8 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, SMatrix, Vector3};
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
 const BIAS_SD: f64 = 1.5e-4;
-/// What the gyro's scale may be off by.
-const SCALE_SD: f64 = 1.0e-3;
+/// What the gyro's scale may be off by: within half a percent, out of the box.
+const SCALE_SD: f64 = 3.0e-3;
 /// How far from a surface a contact may lie and still be of it, in standard deviations.
 const GATE: f64 = 3.5;
 
@@ -68,6 +69,19 @@ pub struct Tie {
     first: usize,
     second: usize,
     share: f64,
+}
+
+/// What is believed of the robot's own errors: what has to be added to what gyro and wheels say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Own {
+    /// Of the gyro, for every second, radians, beyond the drift that was taken out.
+    pub bias: Measured,
+    /// Of the gyro, as a share of each turn.
+    pub scale: Measured,
+    /// Of the wheels' turn, for every metre ahead, radians.
+    pub wheels: Measured,
+    /// Of the wheels' turn, as a share of it.
+    pub track: Measured,
 }
 
 /// The filter.
@@ -196,6 +210,16 @@ impl Survey {
     #[must_use]
     pub fn lopsided(&self) -> f64 {
         self.mean[WHEELS]
+    }
+
+    /// What it believes of the robot itself.
+    #[must_use]
+    pub fn of_the_robot(&self) -> Own {
+        let of = |row: usize| Measured {
+            value: self.mean[row],
+            sd: self.covariance[(row, row)].max(0.0).sqrt(),
+        };
+        Own { bias: of(BIAS), scale: of(SCALE), wheels: of(WHEELS), track: of(TRACK) }
     }
 
     /// Whether it was told already that smooth walls are smooth.

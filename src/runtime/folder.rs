@@ -2,7 +2,7 @@
 //! appears whole or not at all.
 
 use crate::export::native::MapFile;
-use crate::export::{RunRecord, geojson, png, report, svg};
+use crate::export::{RunRecord, body, geojson, png, report, svg};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -114,7 +114,8 @@ impl OutputFolder {
             ("report.json", report::write(record, map.len())),
             ("map.json", map),
         ];
-        for (name, text) in texts {
+        let body = body::write(record).map(|text| ("chassis.toml", text));
+        for (name, text) in texts.into_iter().chain(body) {
             failures.extend(self.write(name, text.as_bytes()).err());
         }
         failures.extend(self.write("map.svg", drawing.as_bytes()).err());

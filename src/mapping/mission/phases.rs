@@ -4,6 +4,7 @@
 use super::{Mission, Outcome, Output, Task};
 use crate::geometry::{Point, Ring};
 use crate::mapping::adjust::Adjustment;
+use crate::mapping::calibration::Calibration;
 use crate::mapping::chart::Chart;
 use crate::mapping::circuit::Closure;
 use crate::mapping::event::{EventKind, Failure};
@@ -218,6 +219,7 @@ impl Mission {
         Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
         self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
         self.tell_squared(out);
+        self.calibrate();
         self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);
         self.phase = Phase::Plan;
         self.tell(EventKind::PhaseBegan { phase: Phase::Plan }, out);
@@ -275,6 +277,16 @@ impl Mission {
         rest
     }
 
+    /// Keeps what is known of wheels and gyro, once that is more than a guess.
+    pub(super) fn calibrate(&mut self) {
+        if self.map.laps > 1 {
+            let (drift, stretch) = (self.tracker.bias(), self.tracker.stretched());
+            let chassis = &self.settings.chassis;
+            let known = Calibration::of(&self.survey, chassis, drift, stretch);
+            self.map.calibration = Some(known);
+        }
+    }
+
     pub(super) fn make_plan(&mut self, out: &mut Vec<Output>) {
         let Some(shape) = &self.map.shape else { return };
         let mut driven = Coverage::new();
@@ -320,6 +332,7 @@ impl Mission {
                 self.tell(EventKind::StillHidden { diameter, at }, out);
             }
             self.tell_unreached(out);
+            self.calibrate();
             self.tell_squared(out);
             self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;

@@ -7,7 +7,8 @@
 //! and Feng 1996, UMB mark, with the room's own walls in place of the square). The common size of the wheels takes a
 //! tape.
 
-use super::survey::Survey;
+use super::survey::{HEADING_WALK, Survey};
+use crate::geometry::angle;
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
 
@@ -35,20 +36,38 @@ pub struct Calibration {
     pub tick: f64,
 }
 
+/// How the robot went, as far as that matters here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Driven {
+    /// What the gyro is believed to drift at, radians per second.
+    pub drift: f64,
+    /// How many times as far as was believed the wheels carried it.
+    pub stretch: f64,
+    /// Seconds of motion in one lap.
+    pub lap: f64,
+}
+
 impl Calibration {
-    /// What `survey` says of a robot that is believed to be built as `chassis`, whose gyro is believed to
-    /// drift at `drift` (radians per second) and whose wheels carried it `stretch` times as far as they
-    /// were believed to.
+    /// What `survey` says of a robot that is believed to be built as `chassis` and was `driven` like that.
+    ///
+    /// Neither of two neighbouring walls tells a gyro that turns too far from a corner that is too wide:
+    /// only the whole turn of a lap does, and over that the gyro walks. How well it is known is taken from
+    /// there, since the survey, which takes every touch for a new one, thinks too well of it.
     #[must_use]
-    pub fn of(survey: &Survey, chassis: &Chassis, drift: f64, stretch: f64) -> Self {
+    pub fn of(survey: &Survey, chassis: &Chassis, driven: &Driven) -> Self {
+        let Driven { drift, stretch, lap } = *driven;
         let own = survey.of_the_robot();
+        let whole_turns = HEADING_WALK * (2.0 * lap).sqrt() / (2.0 * angle::TAU);
         let base = chassis.wheel_base;
         let straight = base * stretch;
         let value = |value: f64, sd: f64| Measured { value, sd };
         Self {
-            wheel_base: value(straight / (1.0 + own.track.value), straight * own.track.sd),
+            wheel_base: value(
+                straight / (1.0 + own.track.value),
+                straight * own.track.sd.max(whole_turns),
+            ),
             wheel_ratio: value(1.0 - own.wheels.value * base, own.wheels.sd * base),
-            gyro_scale: value(1.0 / (1.0 + own.scale.value), own.scale.sd),
+            gyro_scale: value(1.0 / (1.0 + own.scale.value), own.scale.sd.max(whole_turns)),
             gyro_drift: value(drift - own.bias.value, own.bias.sd),
             tick: chassis.tick * stretch,
         }

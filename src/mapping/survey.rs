@@ -18,7 +18,7 @@ mod sight;
 mod tests;
 
 pub use balance::Step;
-pub use motion::STRIDE_SHARE;
+pub use motion::{HEADING_WALK, STRIDE_SHARE};
 pub use sight::{Look, Surface};
 
 use super::calibration::Measured;

@@ -4,7 +4,7 @@
 use super::{Mission, Outcome, Output, Task};
 use crate::geometry::{Point, Ring};
 use crate::mapping::adjust::Adjustment;
-use crate::mapping::calibration::Calibration;
+use crate::mapping::calibration::{Calibration, Driven};
 use crate::mapping::chart::Chart;
 use crate::mapping::circuit::Closure;
 use crate::mapping::event::{EventKind, Failure};
@@ -280,9 +280,12 @@ impl Mission {
     /// Keeps what is known of wheels and gyro, once that is more than a guess.
     pub(super) fn calibrate(&mut self) {
         if self.map.laps > 1 {
-            let (drift, stretch) = (self.tracker.bias(), self.tracker.stretched());
-            let chassis = &self.settings.chassis;
-            let known = Calibration::of(&self.survey, chassis, drift, stretch);
+            let driven = Driven {
+                drift: self.tracker.bias(),
+                stretch: self.tracker.stretched(),
+                lap: self.tracker.active() / f64::from(self.map.laps),
+            };
+            let known = Calibration::of(&self.survey, &self.settings.chassis, &driven);
             self.map.calibration = Some(known);
         }
     }

@@ -7,7 +7,7 @@ use crate::geometry::Vector;
 use nalgebra::SVector;
 
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
-const HEADING_WALK: f64 = 8.727e-4;
+pub const HEADING_WALK: f64 = 8.727e-4;
 
 /// What a straight drive is off by, as a share of it, each by itself: how the floor takes the wheels.
 pub const STRIDE_SHARE: f64 = 0.005;

@@ -1,6 +1,9 @@
 //! Rooms in which things stand awkwardly: a gap that the robot passes on one side only and that would
 //! keep it going round the thing behind it for ever; a thing seen past from both sides of a gap; a post
-//! thinner than a beam is sure to meet; a wedge that holds the body on both sides.
+//! thinner than a beam is sure to meet; a wedge that holds the body on both sides; a board with no passage
+//! between it and the wall.
+
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 mod common;
 
@@ -70,6 +73,25 @@ name = "L4"
 vertices = [[0.118, -1.018], [-0.577, -1.489], [-0.507, -1.592], [0.085, -1.191], [0.486, -1.784], [0.589, -1.715]]
 "#;
 
+const NO_PASSAGE: &str = r#"
+name = "a board off the wall by less than the body"
+start = { x = 3.270, y = 0.913, heading = 173.3 }
+[boundary]
+vertices = [[0.000, 0.000], [5.639, 0.000], [5.639, 4.177], [3.947, 4.177], [3.947, 2.394], [1.692, 2.394], [1.692, 4.177], [0.000, 4.177]]
+[[objects]]
+name = "tri0"
+vertices = [[0.7165, 2.7457], [0.4008, 2.2398], [0.7839, 2.2030]]
+[[objects]]
+name = "L1"
+vertices = [[3.0997, 2.3465], [2.9128, 1.3762], [2.9949, 1.3604], [3.1659, 2.2487], [4.0542, 2.0776], [4.0700, 2.1596]]
+[[objects]]
+name = "wall2"
+vertices = [[4.9680, 2.2421], [5.3781, 2.4204], [5.3689, 2.4414], [4.9589, 2.2631]]
+[[objects]]
+name = "box3"
+vertices = [[2.3810, 1.1883], [2.4017, 0.1123], [2.6373, 0.1169], [2.6167, 1.1928]]
+"#;
+
 fn centre(ring: &Ring) -> Option<Point> {
     ring::bounds(&ring.to_points(0.001)).map(|(low, high)| nalgebra::center(&low, &high))
 }
@@ -114,4 +136,14 @@ fn a_post_is_as_thick_as_it_is() {
 #[test]
 fn a_robot_that_is_held_between_things_gets_out_again() {
     assert_eq!(wrong(WEDGE, &["box2"]), Vec::<String>::new());
+}
+
+#[test]
+fn a_thing_without_passage_to_the_wall_is_gone_along_from_both_sides() {
+    assert_eq!(wrong(NO_PASSAGE, &["wall2"]), Vec::<String>::new());
+    let world = World::from_toml(NO_PASSAGE, "room", 0.1).expect("a world");
+    let settings = Settings::new(world.start);
+    let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Objects);
+    let board = map.objects.iter().find(|o| o.outline.distance(Point::new(5.16, 2.34)) < 0.05);
+    assert!(board.is_some_and(|board| !board.closed), "its back was not seen");
 }

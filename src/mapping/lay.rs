@@ -294,3 +294,48 @@ fn bent(near: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
         residual,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A board from x = 0 to 1 m and from y = 0 to `thick`, with the face of a wall across at its end, as
+    /// seen from the side `from_y`, moved by `moved`.
+    fn seen(y: f64, from_y: f64, moved: Vector) -> Vec<Seen> {
+        let face = (0..=20).map(|k| Point::new(f64::from(k) * 0.05, y));
+        let across = (1..=8).map(|k| Point::new(1.2, f64::from(k) * 0.05 * from_y.signum()));
+        let on_face = face.map(|at| Seen { at: at + moved, towards: Vector::new(0.0, from_y) });
+        let on_wall = across.map(|at| Seen { at: at + moved, towards: Vector::new(-1.0, 0.0) });
+        on_face.chain(on_wall).collect()
+    }
+
+    fn laid(early: &[Seen], late: &[Seen]) -> Overlap {
+        let prior = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.0));
+        lay(early, late, Point::origin(), (prior, Vector3::zeros()), &[])
+    }
+
+    #[test]
+    fn what_was_seen_twice_tells_by_how_much_it_is_off() {
+        let off = Vector::new(0.01, -0.015);
+        let overlap = laid(&seen(0.0, -1.0, Vector::zeros()), &seen(0.0, -1.0, off));
+        let found = overlap.misclosure;
+        assert!((found.dx - off.x).abs() < 1e-3 && (found.dy - off.y).abs() < 1e-3, "{found:?}");
+        assert!(overlap.agreement > 0.95);
+    }
+
+    #[test]
+    fn the_two_faces_of_a_thin_board_are_not_laid_on_each_other() {
+        // Seen from below first, then from below and above: the upper face is 20 mm off the lower one.
+        let mut early = seen(0.0, -1.0, Vector::zeros());
+        early.extend(seen(0.02, 1.0, Vector::zeros()));
+        let late = seen(0.02, 1.0, Vector::zeros());
+        let both = laid(&early, &late).misclosure;
+        assert!(both.dy.abs() < 1e-4, "each face lies on itself: {both:?}");
+        // With the lower face alone there is nothing for the upper one to lie on.
+        let lower: Vec<Seen> = seen(0.0, -1.0, Vector::zeros());
+        let upper: Vec<Seen> = late.iter().take(21).copied().collect();
+        let alone = laid(&lower, &upper);
+        assert_eq!(alone.known, 0, "{alone:?}");
+        assert!(alone.misclosure.dy.abs() < 1e-9, "{:?}", alone.misclosure);
+    }
+}

@@ -121,12 +121,11 @@ fn out_of_reach(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
 /// What squaring did.
 fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
-        EventKind::MadeSquare { walls, left, turned, moved } => write!(
-            f,
-            "squared: {walls} walls turned by {:.1}° at most, corners moved by {:.0} mm; {left} left",
-            turned.to_degrees(),
-            moved * 1e3
-        ),
+        EventKind::MadeSquare { walls, left, turned, moved } => {
+            let (turned, moved) = (turned.to_degrees(), moved * 1e3);
+            write!(f, "squared: {walls} walls by {turned:.1}°, corners by {moved:.0} mm at most")?;
+            if *left > 0 { write!(f, "; {left} stay askew") } else { Ok(()) }
+        }
         EventKind::NothingSquare => f.write_str("nothing to square: no walls at right angles"),
         EventKind::Unsquared => f.write_str("no longer squared: the map is as it was mapped"),
         _ => Ok(()),

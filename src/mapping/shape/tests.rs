@@ -53,3 +53,28 @@ fn survey_all() {
         survey(name, &ring);
     }
 }
+
+#[test]
+fn a_thing_is_on_the_map_when_most_of_what_was_seen_lies_on_it() {
+    let ring = |x: f64| {
+        let corners = [(x, 0.0), (x + 0.5, 0.0), (x + 0.5, 0.5), (x, 0.5)];
+        Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)))
+    };
+    let seen = |on: usize, off: usize| -> Vec<Contact> {
+        let at = |x: f64| Point::new(x, 0.05);
+        let places = (0..on).map(|_| at(1.05)).chain((0..off).map(|_| at(2.0)));
+        let contact = |point| Contact {
+            point,
+            from: point,
+            sensor: Some(0),
+            kind: crate::mapping::map::ContactKind::Range,
+            time: 0.0,
+        };
+        places.map(contact).collect()
+    };
+    let mapped = [ring(1.0), ring(3.0)];
+    assert!(is_mapped(&seen(7, 3), &mapped.iter()));
+    assert!(!is_mapped(&seen(5, 5), &mapped.iter()));
+    assert!(!is_mapped(&seen(7, 3), &mapped[1..].iter()), "another thing");
+    assert!(!is_mapped(&seen(7, 3), &[].iter()), "nothing is mapped yet");
+}

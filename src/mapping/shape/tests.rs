@@ -3,6 +3,7 @@
 use super::testing::{REACH, Roll, compare, roll, worlds};
 use super::*;
 use crate::geometry::Ring;
+use crate::mapping::map::ContactKind;
 
 fn survey(name: &str, truth: &Ring) {
     for sigma in [0.0, 0.0015] {
@@ -67,7 +68,7 @@ fn a_thing_is_on_the_map_when_most_of_what_was_seen_lies_on_it() {
             point,
             from: point,
             sensor: Some(0),
-            kind: crate::mapping::map::ContactKind::Range,
+            kind: ContactKind::Range,
             time: 0.0,
         };
         places.map(contact).collect()

@@ -3,8 +3,6 @@
 //! thinner than a beam is sure to meet; a wedge that holds the body on both sides; a board with no passage
 //! between it and the wall.
 
-#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
-
 mod common;
 
 use periplus::geometry::{Point, Ring, ring};

@@ -46,7 +46,8 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
         let Some(&(i, k)) = crossings(&points).first() else {
-            let plain = to_ring(&without_jogs(vertices.clone(), 3.0 * sigma + 0.003));
+            let plain = without_jogs(vertices.clone(), 3.0 * sigma + 0.003);
+            let plain = to_ring(&with_corners(plain, &judge));
             let simple = crossings(&chords(&plain).0).is_empty();
             return (vertices.len() >= 2).then_some(if simple { plain } else { made });
         };
@@ -164,6 +165,28 @@ fn without_jogs(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
         let before = (k + count - 1) % count;
         let before = if before > k { before - 1 } else { before };
         passed[before].append(&mut more);
+    }
+    vertices
+}
+
+/// With the inner corners that were cut off where the last contacts of two walls gave runs too short to be
+/// drawn out, while the walls as a whole are long enough to tell where they meet.
+fn with_corners(mut vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
+    let mut k = 0;
+    while vertices.len() > 4 && k < vertices.len() {
+        let count = vertices.len();
+        let at = |n: usize| vertices[(k + count + n - 1) % count];
+        // The cut leads from the second of these to the third.
+        let four = [at(0), at(1), at(2), at(3)];
+        let straight = four[..3].iter().all(|vertex| vertex.bulge == 0.0);
+        let corner = judge.cut_off(four.map(|vertex| vertex.at)).filter(|_| straight);
+        if let Some(corner) = corner {
+            // The later one leaves along its own wall.
+            let next = (k + 1) % count;
+            vertices[next].at = corner;
+            vertices.remove(k);
+        }
+        k += 1;
     }
     vertices
 }

@@ -18,6 +18,15 @@ const UNCERTAIN: f64 = 0.008;
 /// this of wall says little of the rest.
 const OF_LENGTH: f64 = 0.8;
 
+/// A piece longer than this cuts off no corner, metres.
+const MOST_CUT: f64 = 0.2;
+/// Walls at a corner that was cut off are at least this long, metres, ...
+const LEAST_WALL: f64 = 0.3;
+/// ... and meet at no flatter angle than this (sine).
+const SQUARE_ENOUGH: f64 = 0.5;
+/// A contact nearer than this to an end of a piece is of the wall there, metres.
+const ENDS: f64 = 0.02;
+
 /// Where one run ends and the next begins; the same point for a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Joint {
@@ -130,6 +139,40 @@ impl Judge<'_> {
         })
     }
 
+    /// The inner corner that the piece from `b` to `c` cuts off the walls `a`-`b` and `c`-`d`; none where
+    /// that is not how it is: where the piece was touched, the walls do not meet there, or a beam went
+    /// through where they would.
+    pub(super) fn cut_off(&self, [a, b, c, d]: [Point; 4]) -> Option<Point> {
+        let (wall, cut, other) = (b - a, c - b, d - c);
+        let (length, across) = (wall.norm(), cut.norm());
+        let shortest = length.min(other.norm());
+        if across > MOST_CUT || shortest < LEAST_WALL.max(3.0 * across) {
+            return None;
+        }
+        let sine = cross(wall, other) / (length * other.norm());
+        if sine < SQUARE_ENOUGH {
+            return None;
+        }
+        let corner = a + wall * (cross(c - a, other) / cross(wall, other));
+        let beyond = (corner - b).dot(&wall) / length;
+        let before = (c - corner).dot(&other) / other.norm();
+        if !(0.0..self.reach).contains(&beyond) || !(0.0..self.reach).contains(&before) {
+            return None;
+        }
+        let near = |s: &&Sample| (s.point - corner).norm() < 2.0 * self.reach;
+        let spoken_for = self.samples.iter().filter(near).any(|s| {
+            let along = (s.point - b).dot(&cut) / across;
+            let touched = (ENDS..across - ENDS).contains(&along)
+                && cross(cut, s.point - b).abs() / across < ENDS / 2.0;
+            let beam = s.point - s.from;
+            let stop = s.from + beam * (1.0 - (0.012 + 3.0 * self.sigma) / beam.norm()).max(0.0);
+            touched
+                || segments_meet(s.from, stop, b, corner)
+                || segments_meet(s.from, stop, corner, c)
+        });
+        (!spoken_for).then_some(corner)
+    }
+
     /// The end of a thin wall, whose end face gave no contacts: both faces are drawn out to where
     /// the beams that slid off say that it ends.
     fn thin_end(&self, a: &Run, b: &Run) -> Option<Joint> {
@@ -217,5 +260,52 @@ fn chord(
     } else {
         let half = direction * square.sqrt();
         [Some(foot - half), Some(foot + half)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact at (`x`, `y`), seen from the middle of the floor beside the corner at the origin.
+    fn seen(x: f64, y: f64, from: Point) -> Sample {
+        Sample { point: Point::new(x, y), from, weight: 1.0, edges: Vec::new() }
+    }
+
+    /// The corner of a room at the origin, floor in x > 0 and y > 0, walls seen up to 70 mm from it, and
+    /// what else was seen there.
+    fn cut(more: &[Sample]) -> Option<Point> {
+        let from = Point::new(0.15, 0.15);
+        let along = |k: i32| 0.07 + f64::from(k) * 0.05;
+        let mut samples: Vec<Sample> = (0..8).map(|k| seen(0.0, along(7 - k), from)).collect();
+        samples.extend((0..8).map(|k| seen(along(k), 0.0, from)));
+        samples.extend_from_slice(more);
+        let judge = Judge { samples: &samples, sigma: 0.0015, reach: 0.16 };
+        let at = Point::new;
+        judge.cut_off([at(0.0, 2.0), at(0.0, 0.07), at(0.07, 0.0), at(2.0, 0.0)])
+    }
+
+    #[test]
+    fn a_corner_that_nobody_saw_is_where_the_walls_meet() {
+        let corner = cut(&[]).expect("a corner");
+        assert!((corner - Point::origin()).norm() < 1e-9);
+    }
+
+    #[test]
+    fn a_corner_that_was_touched_across_stays_cut_off() {
+        assert_eq!(cut(&[seen(0.035, 0.035, Point::new(0.15, 0.15))]), None);
+    }
+
+    #[test]
+    fn a_corner_that_a_beam_went_through_stays_cut_off() {
+        assert_eq!(cut(&[seen(-0.1, 0.02, Point::new(0.15, 0.04))]), None);
+    }
+
+    #[test]
+    fn walls_that_are_short_or_meet_at_a_flat_angle_do_not_tell() {
+        let judge = Judge { samples: &[], sigma: 0.0015, reach: 0.16 };
+        let at = Point::new;
+        assert_eq!(judge.cut_off([at(0.0, 0.3), at(0.0, 0.07), at(0.07, 0.0), at(2.0, 0.0)]), None);
+        assert_eq!(judge.cut_off([at(-2.0, 0.4), at(0.0, 0.0), at(0.1, 0.0), at(2.0, 0.4)]), None);
     }
 }

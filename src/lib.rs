@@ -11,7 +11,8 @@
 //! 3. `mapping`: the core, without I/O or clock. `mission` is the run as one state machine;
 //!    `odometry` and `survey` (where the robot and the walls are, and how surely); `search` (III.C)
 //!    with `follow`, `ahead`, `wall`, `circuit` (with `drift`, the gyro's, and `lay`, one look laid on
-//!    another) and `adjust`; `retrace`, a lap more that is averaged in; `shape` (III.D), and `smooth`,
+//!    another) and `adjust`; `retrace`, a lap more that is averaged in, and `calibration`, what that
+//!    tells of wheels and gyro; `shape` (III.D), and `smooth`,
 //!    which lets its straight walls straighten the lap; `tape`, a length that was measured in the room;
 //!    `square`, right angles made right; `plan` (III.E) on `floor`; `tour` (III.F) on the `chart` of what
 //!    is mapped; `relocate`, how a robot that was carried finds its place again; `trust`, which switches

@@ -3,9 +3,9 @@
 //!
 //! On a lap driven one way round and then the other, what errs with the sense of the turns changes its
 //! sign and what errs with time or way does not, so that the four can be told apart: wheels of different
-//! size, the wheel base, the gyro's scale and its drift (the bidirectional square path of Borenstein
-//! and Feng 1996, UMB mark, with the room's own walls in place of the square). The common size of the wheels takes a
-//! tape.
+//! size, the wheel base, the gyro's scale and its drift (the bidirectional square path of Borenstein and
+//! Feng 1996, with the room's own walls in place of the square). The common size of the wheels takes a
+//! tape. Reads the survey and changes nothing.
 
 use super::survey::{HEADING_WALK, Survey};
 use crate::geometry::angle;

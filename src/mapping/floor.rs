@@ -14,6 +14,7 @@ pub(crate) mod rooms;
 pub use coverage::Coverage;
 pub use hidden::HiddenDisc;
 pub(in crate::mapping) use hidden::Unswept;
+pub(in crate::mapping) use reach::{SPARE, component};
 
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::raster::{Grid, Nearest, inside};

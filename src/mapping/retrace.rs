@@ -113,9 +113,9 @@ impl Retrace {
         Some(fixed)
     }
 
-    /// The walls that are touched.
-    pub fn chart_mut(&mut self) -> &mut Chart {
-        &mut self.chart
+    /// The farthest that a corner was moved by what was touched, metres.
+    pub fn moved(&mut self, survey: &Survey) -> f64 {
+        self.chart.refresh(survey)
     }
 
     /// What is beside the robot now.

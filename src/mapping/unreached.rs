@@ -5,16 +5,13 @@
 //! across what the robot did not enter, with the end of a wall beside it. What lies behind is not on the
 //! map: more often than not a gap, but a short face of wall in a corner looks the same.
 
-use super::floor::Floor;
+use super::floor::{Floor, SPARE, component};
 use super::map::{Contact, MappedObject};
 use super::shape::mouths;
-use crate::geometry::raster::Grid;
 use crate::geometry::{Point, Ring};
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
 
-/// The centre is kept this much more than the radius from everything, metres.
-const SPARE: f64 = 0.02;
 /// Less floor than this is no place to get to, square metres.
 const LEAST_FLOOR: f64 = 0.02;
 
@@ -51,17 +48,15 @@ pub fn unreached(
 
 /// The pieces of floor on the map where the body would fit and cannot get to.
 fn pockets(floor: &Floor) -> Vec<Unreached> {
-    let fits: Vec<bool> =
-        floor.free.iter().map(|&free| f64::from(free) >= floor.radius + SPARE).collect();
-    let mut seen = floor.drivable.clone();
+    let least = (floor.radius + SPARE) as f32;
+    let cells = floor.free.iter().zip(&floor.drivable);
+    let mut left: Vec<bool> = cells.map(|(&free, sent)| free >= least && !sent).collect();
     let mut found = Vec::new();
-    for cell in 0..fits.len() {
-        if seen[cell] || !fits[cell] {
-            continue;
-        }
-        let piece = spread(&floor.grid, cell, |k| fits[k] && !floor.drivable[k]);
+    while let Some(cell) = left.iter().position(|&is| is) {
+        let together = component(&floor.grid, &left, floor.grid.point(cell));
+        let piece: Vec<usize> = (0..left.len()).filter(|&k| together[k]).collect();
         for &k in &piece {
-            seen[k] = true;
+            left[k] = false;
         }
         let area = piece.len() as f64 * floor.grid.cell * floor.grid.cell;
         if area < LEAST_FLOOR {
@@ -72,24 +67,6 @@ fn pockets(floor: &Floor) -> Vec<Unreached> {
         }
     }
     found
-}
-
-/// The cells that hang together with `cell` and that `counts`.
-fn spread(grid: &Grid, cell: usize, counts: impl Fn(usize) -> bool) -> Vec<usize> {
-    let mut taken = vec![false; grid.len()];
-    let mut piece = vec![cell];
-    taken[cell] = true;
-    let mut next = 0;
-    while next < piece.len() {
-        for near in grid.neighbours(piece[next]).into_iter().flatten() {
-            if !taken[near] && counts(near) {
-                taken[near] = true;
-                piece.push(near);
-            }
-        }
-        next += 1;
-    }
-    piece
 }
 
 /// The narrowest place of the widest way from `piece` to where the robot is sent, and how wide it is; none

@@ -6,7 +6,7 @@ use crate::geometry::raster::{Grid, Nearest};
 use crate::geometry::{Point, Segment};
 
 /// The centre keeps this much more than the radius from everything, metres.
-pub(super) const SPARE: f64 = 0.02;
+pub(in crate::mapping) const SPARE: f64 = 0.02;
 
 /// Puts objects into the raster of distances.
 pub(super) fn stand_on(grid: &Grid, outlines: &[Vec<Segment>], free: &mut [f32]) {
@@ -63,7 +63,7 @@ impl Floor {
 }
 
 /// The part of `open` that hangs together with the open cell nearest to `from`.
-fn component(grid: &Grid, open: &[bool], from: Point) -> Vec<bool> {
+pub(in crate::mapping) fn component(grid: &Grid, open: &[bool], from: Point) -> Vec<bool> {
     let mut found = vec![false; open.len()];
     let Some(seed) = nearest_open(grid, open, from) else {
         return found;

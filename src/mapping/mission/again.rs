@@ -119,7 +119,7 @@ impl Mission {
         let before = self.tracker.pose();
         let beside = retrace.beside();
         let begun_us = retrace.begun_us();
-        let moved = retrace.chart_mut().refresh(&self.survey);
+        let moved = retrace.moved(&self.survey);
         self.place_contacts();
         self.settle(begun_us);
         self.beside = Some(beside.moved(&before, &self.tracker.pose()));

@@ -5,6 +5,7 @@ mod common;
 
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
+use periplus::robot::Intent;
 use periplus::simulator::{NoiseProfile, World};
 
 /// A corridor of 0.6 m that winds inwards, walls 0.1 m thick.
@@ -27,6 +28,33 @@ vertices = [[0, 0], [0.5, 0], [0.5, 2.5], [0.52, 2.5], [0.52, 0], [1.54, 0], [1.
 "#;
 
 const COMB: &str = include_str!("../sims/comb.toml");
+
+/// What a lap may cost for every metre of the way, at 0.2 m/s: commands and seconds of robot time. A
+/// metre without a stop takes five seconds.
+const COSTS: [(&str, f64, f64); 5] = [
+    (include_str!("../sims/rectangle.toml"), 10.0, 9.0),
+    (include_str!("../sims/l_room.toml"), 10.0, 9.2),
+    (include_str!("../sims/pentagon.toml"), 10.0, 9.5),
+    (include_str!("../sims/circle.toml"), 18.0, 12.5),
+    (include_str!("../sims/d_room.toml"), 16.0, 11.5),
+];
+
+#[test]
+fn a_metre_of_wall_costs_few_commands_and_little_time() {
+    for (text, commands, seconds) in COSTS {
+        let world = World::from_toml(text, "room", 0.1).expect("a world");
+        let settings = Settings { seed: 1, ..Settings::new(world.start) };
+        let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
+        run.intent(Intent::Run);
+        while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
+            run.advance();
+        }
+        let lap = run.snapshot().progress[0];
+        let (c, s) = (f64::from(lap.commands) / lap.travel, lap.seconds / lap.travel);
+        assert!(lap.travel > 5.0 && c < commands, "{}: {c} commands a metre", world.name);
+        assert!(s < seconds, "{}: {s} s a metre", world.name);
+    }
+}
 
 #[test]
 fn laps_close_where_they_began() {

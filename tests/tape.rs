@@ -34,7 +34,7 @@ fn held(from: (f64, f64), to: (f64, f64), length: f64) -> Tape {
 #[test]
 fn the_map_is_as_large_as_the_tape_says() {
     let (mut raw, mut taped) = (0.0_f64, 0.0_f64);
-    for seed in 1..=4 {
+    for seed in 5..=8 {
         let off = |map: &RoomMap| (size(map) - 1.0).powi(2) / 4.0;
         raw += off(&mapped(seed, None));
         let map = mapped(seed, Some(held((0.0, 0.0), (5.0, 0.0), 5.0)));

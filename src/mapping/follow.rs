@@ -16,7 +16,7 @@ mod roles;
 use super::ahead::{Frontier, Rolling, Sweep};
 use super::map::ContactKind;
 use super::wall::Wall;
-use crate::geometry::{Point, Pose, Ring, angle};
+use crate::geometry::{Point, Pose, Ring, Vector, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use held::Held;
 use roles::Roles;
@@ -114,6 +114,8 @@ pub struct Follower {
     doing: Doing,
     /// The wall is known to end at the frontier.
     ended: bool,
+    /// Where its switch has just seen it end, and the way the robot went then.
+    tip: Option<(Point, Vector)>,
     /// Length of a step along a wall that behaves, metres.
     stride: f64,
     gap: f64,
@@ -135,13 +137,17 @@ pub struct Follower {
 const BACK_OUT: f64 = 0.12;
 /// What is seen nearer than this to something known is of it, metres.
 const SAME_THING: f64 = 0.1;
+/// So much of the way to where the switch of a wall opens is left to chance, metres.
+const UNSEEN: f64 = 0.003;
 /// The body keeps this far off the walls when it has to squeeze out of a pocket, metres.
 const SQUEEZED: f64 = 0.02;
 /// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
 const BESIDE: f64 = 0.02;
+/// What is seen beyond a tip lies this far past it at least, metres.
+const PAST_TIP: f64 = 0.02;
 const SHORTEST_STRIDE: f64 = 0.09;
 const LONGEST_STRIDE: f64 = 0.50;
-const ROUND_CORNER: f64 = 0.05;
+const ROUND_CORNER: f64 = 0.06;
 /// Rolling round a corner never turns farther towards the wall than this at once, radians.
 const MOST_TOWARDS: f64 = 1.9;
 
@@ -159,11 +165,17 @@ impl Follower {
             swept: None,
             doing: Doing::Arrived,
             ended: false,
+            tip: None,
             stride: SHORTEST_STRIDE,
             gap,
             frontier: None,
             held: Held::default(),
-            rolling: Rolling { side, radius: chassis.radius + gap, least: chassis.radius + 0.012 },
+            rolling: Rolling {
+                side,
+                radius: chassis.radius + gap,
+                least: chassis.radius + 0.012,
+                slack: (1.0 - GAP) * chassis.range - UNSEEN,
+            },
             body: chassis.radius,
             squeezing: false,
             known: Vec::new(),
@@ -259,7 +271,9 @@ impl Follower {
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {
             self.stride = SHORTEST_STRIDE;
-            self.ended = wall.near().next_back().is_some_and(|seen| seen.kind == ContactKind::Edge);
+            let tip = wall.near().next_back().filter(|seen| seen.kind == ContactKind::Edge);
+            self.tip = tip.map(|seen| (seen.point, rest.pose.direction()));
+            self.ended = self.tip.is_some();
         }
         // Something is already close ahead of the wall: a swing could not see it close again.
         if let Some(ahead) = self.roles.ahead
@@ -344,18 +358,27 @@ impl Follower {
             by: angle::wrap(rest.pose.heading - self.looked_from),
             reach,
         });
-        let seen_ahead = matches!(rest.reason, DoneReason::Guard { .. });
-        if !seen_ahead {
+        let seen = wall.near().next_back();
+        // Of a wall that ends here the look may see the side it came along once more.
+        let tip = self.tip.take();
+        let behind = |(tip, onward): (Point, Vector)| {
+            seen.is_some_and(|seen| (seen.point - tip).dot(&onward) < PAST_TIP)
+        };
+        let found = matches!(rest.reason, DoneReason::Guard { .. });
+        if !found || tip.is_some_and(behind) {
             self.ended = true;
             self.stride = SHORTEST_STRIDE;
             return;
         }
         self.ended = false;
-        let surprise = wall.near().next_back().zip(self.frontier).map(|(seen, frontier)| {
-            if frontier.certain { frontier.stretch.distance(seen.point) } else { 1.0 }
+        let surprise = seen.zip(self.frontier).map(|(seen, frontier)| {
+            if frontier.certain { frontier.distance(seen.point) } else { 1.0 }
         });
         self.stride = match surprise {
-            Some(off) if off < 0.008 => (self.stride * 1.8).min(LONGEST_STRIDE),
+            Some(off) if off < 0.008 => {
+                let known = self.frontier.map_or(0.0, |frontier| frontier.extent);
+                (self.stride * 1.8).max(known).min(LONGEST_STRIDE)
+            }
             _ => SHORTEST_STRIDE,
         };
     }
@@ -382,6 +405,7 @@ impl Follower {
             found = roll(step, true)?;
         }
         self.frontier = found.frontier;
+        step = found.step;
         let turn = self.the_way_round(found.heading - rest.pose.heading);
         if turn.abs() < 0.015 {
             return Some(self.step(self.watched(step, rest.closed)));

@@ -60,10 +60,16 @@ pub(crate) struct Sample {
 /// # Errors
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
 pub fn outline(contacts: &[Contact], reach: f64, give: f64) -> Result<Ring, Failure> {
-    let ring = fitted(contacts, reach, give)
-        .or_else(|| chain::outline(contacts, reach))
-        .ok_or(Failure::OutlineBroken)?;
-    Ok(ring.counter_clockwise())
+    let ring = fitted(contacts, reach, give).map(Ring::counter_clockwise);
+    ring.map_or_else(|| joined(contacts, reach), Ok)
+}
+
+/// The same without a fit: the contacts themselves, joined in order and untangled.
+///
+/// # Errors
+/// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
+pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
+    chain::outline(contacts, reach).map(Ring::counter_clockwise).ok_or(Failure::OutlineBroken)
 }
 
 /// `outline` without the crossings that corrections of its corners may have made; as it is where they

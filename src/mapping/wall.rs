@@ -30,6 +30,20 @@ const BEYOND: f64 = 0.02;
 /// Edges of one switch nearer than this while turning are two crossings of one silhouette.
 const SILHOUETTE: f64 = 0.014;
 
+/// Which contacts tell how the wall runs at a place: metres driven since, metres from it; how far
+/// they must lie apart, and how near to a line.
+struct Around {
+    travelled: f64,
+    distance: f64,
+    spread: f64,
+    residual: f64,
+}
+
+const CLOSE_BY: [Around; 2] = [
+    Around { travelled: 0.5, distance: 0.22, spread: 0.012, residual: 0.006 },
+    Around { travelled: 1.1, distance: 0.6, spread: 0.05, residual: 0.003 },
+];
+
 /// All sightings of one lap, with the near ones at hand.
 #[derive(Debug, Clone)]
 pub struct Wall {
@@ -250,21 +264,26 @@ impl Wall {
         })
     }
 
-    /// The straight stretch that the wall makes near the end of the beam of `seen`.
+    /// The straight stretch that the wall makes near the end of the beam of `seen`, from what was seen
+    /// close by, or else since the step before the last one.
     fn stretch_near(&self, seen: &Sighting) -> Option<Stretch> {
+        CLOSE_BY.iter().find_map(|around| self.stretch_within(seen, around))
+    }
+
+    fn stretch_within(&self, seen: &Sighting, around: &Around) -> Option<Stretch> {
         let direction = angle::unit(seen.beam);
         let middle = seen.pose.position + direction * (self.reach - 0.02);
         let points: Vec<Point> = self
             .near()
             .filter(|other| other.kind == ContactKind::Range)
-            .filter(|other| other.travelled > seen.travelled - 0.5)
+            .filter(|other| other.travelled > seen.travelled - around.travelled)
             .map(|other| other.point)
-            .filter(|point| (point - middle).norm() < 0.22)
+            .filter(|point| (point - middle).norm() < around.distance)
             .collect();
         let stretch = Stretch::through(&points)?;
         let spread =
             points.iter().map(|p| stretch.along.dot(&(p - stretch.at)).abs()).fold(0.0, f64::max);
-        (spread > 0.012 && stretch.residual < 0.006).then_some(stretch)
+        (spread > around.spread && stretch.residual < around.residual).then_some(stretch)
     }
 
     /// The robot moved to `pose` with the switches in `closed` all the while: what an open beam or
@@ -366,6 +385,7 @@ impl Wall {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::Odometer;
 
     /// The robot touches something and then turns on the spot by `angle`, all switches open.
     fn turned_after_a_touch(angle: f64) -> (Wall, Sighting) {
@@ -377,6 +397,24 @@ mod tests {
         wall.carve(back, SwitchSet::EMPTY, 0.03);
         wall.carve(Pose::new(-0.03, 0.0, angle), SwitchSet::EMPTY, 0.03);
         (wall, touch)
+    }
+
+    #[test]
+    fn a_switch_that_opens_a_long_step_after_the_last_contacts_tells_where_the_wall_ends() {
+        let chassis = Chassis::default();
+        let left = chassis.sensor_towards(angle::FRAC_PI_2, 0.1).expect("a switch on the left");
+        let mut wall = Wall::new(&chassis);
+        let odometer = Odometer { time_us: 0, left_ticks: 0, right_ticks: 0, heading: 0.0 };
+        let edge = |rising: bool| Edge { sensor: left, rising, odometer };
+        // Contacts of a wall along y = 0.16, half a metre and more behind.
+        for k in 0..3 {
+            let pose = Pose::new(f64::from(k) * 0.1, 0.0, 0.0);
+            wall.observe(&edge(true), pose, Turning::By(1.0), f64::from(k) * 0.1);
+        }
+        let pose = Pose::new(0.55, 0.02, 0.0);
+        let seen = wall.observe(&edge(false), pose, Turning::No, 0.55);
+        assert_eq!(seen.kind, ContactKind::Edge);
+        assert!((seen.point - Point::new(0.55, 0.16)).norm() < 1e-9, "{}", seen.point);
     }
 
     #[test]

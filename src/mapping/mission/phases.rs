@@ -200,9 +200,12 @@ impl Mission {
 
     pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
         let mut fitted = self.straight_outline();
-        let sound = fitted.as_ref().is_ok_and(|outline| self.encloses_the_lap(outline));
-        if !sound && self.take_out_enclosed(out) {
+        if !self.is_sound(&fitted) && self.take_out_enclosed(out) {
             fitted = self.straight_outline();
+        }
+        if !self.is_sound(&fitted) {
+            // Of contacts in a wrong order a fit may keep no more than a loop.
+            fitted = shape::joined(&self.map.contacts, self.settings.chassis.reach());
         }
         let outline = match fitted.and_then(|outline| self.lay_tape(outline, out)) {
             Ok(outline) => outline,
@@ -246,6 +249,10 @@ impl Mission {
             self.tell(EventKind::ObjectApart { id }, out);
         }
         true
+    }
+
+    fn is_sound(&self, fitted: &Result<Ring, Failure>) -> bool {
+        fitted.as_ref().is_ok_and(|outline| self.encloses_the_lap(outline))
     }
 
     /// Whether most of the robot's way lies within `outline`: one that leaves it out is not where it

@@ -74,7 +74,7 @@ fn where_two_places_look_the_same_the_robot_asks() {
     let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
     let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (true, None));
     assert!(rig.until(2000.0, is_touring));
-    let place = Pose::new(4.3, 1.1, 0.4);
+    let place = Pose::new(4.3, 1.1, 1.4);
     carry(&mut rig, &world, place);
     rig.until(10.0, |rig| rig.run.ending().is_some());
     rig.up.clear();
@@ -86,7 +86,7 @@ fn where_two_places_look_the_same_the_robot_asks() {
     assert!(rig.speed() < 1e-9, "it moves and does not know where");
     // The operator puts it back where it was found, and says so, roughly.
     carry(&mut rig, &world, place);
-    resurrect(&mut rig, 10, Some(Pose::new(4.1, 1.3, 0.2)));
+    resurrect(&mut rig, 10, Some(Pose::new(4.1, 1.3, 1.2)));
     assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()));
     let ending = rig.run.ending().expect("an ending");
     assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);

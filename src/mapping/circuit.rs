@@ -123,8 +123,8 @@ pub struct Circuit {
     squeezing: Option<f64>,
     /// The rounds that were driven in vain before that.
     pocket: Option<Pocket>,
-    /// It goes round something else than it began with.
-    anew: bool,
+    /// It goes round something else than it began with, in the same room as here, or in a pocket of it.
+    led_from: Option<Point>,
 }
 
 impl Circuit {
@@ -144,7 +144,7 @@ impl Circuit {
             trail: Vec::new(),
             squeezing: None,
             pocket: None,
-            anew: false,
+            led_from: None,
         }
     }
 
@@ -188,8 +188,7 @@ impl Circuit {
         }
         for index in (0..self.candidates.len()).rev() {
             match self.look_into(index, tracker) {
-                // What the robot was led astray by is a thing, or it is in a pocket after all.
-                Verdict::Closed(closure, _) if self.anew && !closure.is_extrinsic() => {
+                Verdict::Closed(closure, _) if self.is_pocket(&closure) => {
                     self.passed.push(self.candidates.remove(index).wound.1);
                 }
                 Verdict::Closed(closure, overlap) => return Leg::Closed(closure, overlap),
@@ -200,7 +199,7 @@ impl Circuit {
         if self.follower.is_stuck() {
             return Leg::Failed(Failure::Boxed);
         }
-        if self.is_endless() {
+        if self.is_endless(tracker) {
             return Leg::Failed(Failure::LapEndless);
         }
         match self.follower.next(&mut self.wall, rest) {
@@ -216,7 +215,7 @@ impl Circuit {
 
     /// Whether the lap will not close any more. In a pocket, away from its beginning, the robot first
     /// tries to get out by squeezing through what it would not have entered.
-    fn is_endless(&mut self) -> bool {
+    fn is_endless(&mut self, tracker: &Tracker) -> bool {
         let (Some(now), Some(first)) = (self.previous, self.anchors.first()) else {
             return false;
         };
@@ -232,8 +231,9 @@ impl Circuit {
         }
         let lost = visits >= LOST;
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
-        if lost && !self.anew {
-            self.begin_anew();
+        if lost && self.led_from.is_none() {
+            let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
+            self.begin_anew(begun.position);
             return false;
         }
         lost || too_long
@@ -241,8 +241,8 @@ impl Circuit {
 
     /// The robot left what it followed and goes round something else, of which there is no way back: from
     /// here on the lap is one round that.
-    fn begin_anew(&mut self) {
-        self.anew = true;
+    fn begin_anew(&mut self, led_from: Point) {
+        self.led_from = Some(led_from);
         self.anchors.clear();
         self.passed.clear();
         self.candidates.clear();
@@ -251,6 +251,17 @@ impl Circuit {
         self.pocket = None;
         self.squeezing = None;
         self.follower.squeeze(false);
+    }
+
+    /// Whether a lap that began anew closed round the inside of a pocket, which the robot came into from
+    /// outside, and neither round a thing nor round the room that it was in before.
+    fn is_pocket(&self, closure: &Closure) -> bool {
+        let Some(led_from) = self.led_from.filter(|_| !closure.is_extrinsic()) else {
+            return false;
+        };
+        let way = self.trail.iter().filter(|place| place.travelled >= closure.from.travelled);
+        let way: Vec<Point> = way.map(|place| place.pose.position).collect();
+        !Ring::polygon(&way).contains(led_from)
     }
 
     fn before_step(&mut self, tracker: &Tracker) {
@@ -415,5 +426,36 @@ impl Circuit {
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lap_that_began_anew_is_of_the_room_when_the_robot_was_within_it_before() {
+        // Clockwise round the inside of a circle of 1 m, the wall on the left.
+        let mut circuit =
+            Circuit::new(&Chassis::default(), Side::Left, Wall::new(&Chassis::default()), 1.0);
+        circuit.trail = (0..=63_u32)
+            .map(|k| {
+                let travelled = f64::from(k) * 0.1;
+                let position = Point::origin() + angle::unit(-travelled);
+                let heading = -travelled - angle::FRAC_PI_2;
+                let pose = Pose { position, heading: angle::wrap(heading) };
+                Anchor { pose, heading, travelled, time_us: u64::from(k) * 500_000 }
+            })
+            .collect();
+        let (from, to) = (circuit.trail[0], circuit.trail[63]);
+        let side = Side::Left;
+        let closure = Closure { from, to, side, drift: 0.0, last_round: 0.0, pocket: None };
+        assert!(!circuit.is_pocket(&closure), "it never began anew");
+        circuit.led_from = Some(Point::new(0.3, 0.2));
+        assert!(!circuit.is_pocket(&closure), "it was led off in this room");
+        circuit.led_from = Some(Point::new(1.8, 0.0));
+        assert!(circuit.is_pocket(&closure), "it came in from outside");
+        let outside = Closure { side: Side::Right, ..closure };
+        assert!(!circuit.is_pocket(&outside), "a thing that was gone round is no pocket");
     }
 }

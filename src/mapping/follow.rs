@@ -375,10 +375,7 @@ impl Follower {
             if frontier.certain { frontier.distance(seen.point) } else { 1.0 }
         });
         self.stride = match surprise {
-            Some(off) if off < 0.008 => {
-                let known = self.frontier.map_or(0.0, |frontier| frontier.extent);
-                (self.stride * 1.8).max(known).min(LONGEST_STRIDE)
-            }
+            Some(off) if off < 0.008 => (self.stride * 1.8).min(LONGEST_STRIDE),
             _ => SHORTEST_STRIDE,
         };
     }

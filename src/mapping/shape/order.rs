@@ -40,13 +40,15 @@ pub(super) fn along_wall(contacts: &[Contact], reach: f64) -> Vec<Contact> {
 }
 
 /// How many contacts belong to the first time round: where the tail comes nearest to the first
-/// contact, seen from the same place, the lap is over.
+/// contact, seen from the same place and the same side, the lap is over.
 fn end_of_lap(contacts: &[Contact]) -> usize {
     let count = contacts.len();
     let Some(first) = contacts.first() else {
         return 0;
     };
     let off = |c: &Contact| (c.point - first.point).norm() + (c.from - first.from).norm();
+    // The other face of a thin wall may be nearer than the next contact of this one.
+    let faces = |c: &Contact| (c.from - c.point).dot(&(first.from - first.point)) > 0.0;
     let mut travelled = 0.0;
     let mut best = (f64::INFINITY, count);
     for k in (count / 2 + 1..count).rev() {
@@ -56,7 +58,7 @@ fn end_of_lap(contacts: &[Contact]) -> usize {
         if travelled > OVERLAP {
             break;
         }
-        if off(&contacts[k]) < best.0 {
+        if faces(&contacts[k]) && off(&contacts[k]) < best.0 {
             best = (off(&contacts[k]), k + 1);
         }
     }
@@ -206,5 +208,29 @@ fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
     places.sort_by_key(|place| place.0);
     for (place, edge) in places.into_iter().rev() {
         surface.insert(place + 1, edge);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lap_of_a_thin_wall_does_not_end_on_its_other_face() {
+        // Round a board of 1 m by 20 mm, from the middle of its upper face clockwise; the contact next to
+        // the first lies farther from it than the other face does.
+        let seen = |x: f64, y: f64, side: f64| Contact {
+            point: Point::new(x, y),
+            from: Point::new(x, y + side * 0.145),
+            sensor: Some(2),
+            kind: ContactKind::Range,
+            time: 0.0,
+        };
+        let along =
+            |from: f64, to: f64| (0..4).map(move |k| from + (to - from) * f64::from(k) / 3.0);
+        let mut round: Vec<Contact> = along(0.5, 1.0).map(|x| seen(x, 0.02, 1.0)).collect();
+        round.extend(along(1.0, 0.0).map(|x| seen(x, 0.0, -1.0)));
+        round.extend([0.0, 0.05, 0.1].map(|x| seen(x, 0.02, 1.0)));
+        assert_eq!(end_of_lap(&round), round.len());
     }
 }

@@ -3,13 +3,14 @@
 //! The robot is thought of as a disc of radius r + gap that rolls along the contacts, like the
 //! ball of ball pivoting (Bernardini et al. 1999) in the plane: the next straight step goes in the
 //! first direction, counted from the wall away, that keeps the disc clear of every contact. Beyond
-//! the last contact the wall is believed to go on straight, until a look says that it does not;
-//! then the disc rolls round the last contact, which is what an outer corner asks for. Between
-//! steps the robot looks: it swings towards the wall until its front diagonal switch closes, which
+//! the last contact the wall is believed to go on as it came, straight or round, until a look says
+//! that it does not; then the disc rolls round the last contact, which is what an outer corner asks
+//! for. Between steps the robot looks: it swings towards the wall until its front diagonal switch closes, which
 //! gives contacts ahead before it gets there.
 //!
 //! Owns no pose and no contacts; it is told both. Knows nothing of laps or maps.
 
+mod escape;
 mod held;
 mod roles;
 
@@ -133,8 +134,6 @@ pub struct Follower {
     known: Vec<Ring>,
 }
 
-/// Out of a gap that is too narrow the robot backs this far, metres.
-const BACK_OUT: f64 = 0.12;
 /// What is seen nearer than this to something known is of it, metres.
 const SAME_THING: f64 = 0.1;
 /// So much of the way to where the switch of a wall opens is left to chance, metres.
@@ -302,53 +301,6 @@ impl Follower {
     fn look(&mut self) -> Ask {
         let guard = Guard { rise: Roles::set(&[self.roles.ahead]), ..Guard::default() };
         self.turn(0.96, guard, Doing::Looking, "looking where the wall goes on")
-    }
-
-    fn back_off(&mut self) -> Ask {
-        self.doing = Doing::BackingOff;
-        self.stride = SHORTEST_STRIDE;
-        Ask {
-            motion: Motion::Move { distance: -0.03, speed: f64::INFINITY },
-            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
-            why: "touched something: backing off",
-        }
-    }
-
-    /// Whether to go no deeper into a gap with both sides within the switches' reach. What leads out of
-    /// it again on the other hand would find it too narrow, so it is never entered; but a robot that
-    /// stands between has to go on somewhere.
-    fn refuses(&mut self, rest: &AtRest) -> bool {
-        if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
-            return false;
-        }
-        self.held.refuses(rest.pose.position)
-    }
-
-    /// Bumped again and again in one place, the robot is held between things, and every step it thinks
-    /// free leads it against one of them. The way it came was free: it leaves by that, its back first,
-    /// where no bumper is held by what it touches.
-    fn leave(&mut self, rest: &AtRest) -> Option<Ask> {
-        let here = rest.pose.position;
-        let inward = angle::of(here - self.held.bump(here)?);
-        self.doing = Doing::Leaving;
-        Some(Ask {
-            motion: Motion::Turn {
-                angle: angle::wrap(inward - rest.pose.heading),
-                rate: f64::INFINITY,
-            },
-            guard: Guard::default(),
-            why: "held between things: leaving by the way it came",
-        })
-    }
-
-    fn back_out(&mut self, why: &'static str) -> Ask {
-        self.doing = Doing::BackingOff;
-        self.stride = SHORTEST_STRIDE;
-        Ask {
-            motion: Motion::Move { distance: -BACK_OUT, speed: f64::INFINITY },
-            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
-            why,
-        }
     }
 
     fn judge_look(&mut self, wall: &mut Wall, rest: &AtRest) {

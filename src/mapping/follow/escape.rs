@@ -1,0 +1,59 @@
+//! What the follower does where it cannot go on along the wall: off what it bumped into, out of a gap that
+//! is too narrow, out of where it is held.
+
+use super::roles::Roles;
+use super::{Ask, AtRest, Doing, Follower, SHORTEST_STRIDE};
+use crate::geometry::angle;
+use crate::robot::{Guard, Motion};
+
+/// Out of a gap that is too narrow the robot backs this far, metres.
+const BACK_OUT: f64 = 0.12;
+
+impl Follower {
+    pub(super) fn back_off(&mut self) -> Ask {
+        self.doing = Doing::BackingOff;
+        self.stride = SHORTEST_STRIDE;
+        Ask {
+            motion: Motion::Move { distance: -0.03, speed: f64::INFINITY },
+            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
+            why: "touched something: backing off",
+        }
+    }
+
+    /// Whether to go no deeper into a gap with both sides within the switches' reach. What leads out of
+    /// it again on the other hand would find it too narrow, so it is never entered; but a robot that
+    /// stands between has to go on somewhere.
+    pub(super) fn refuses(&mut self, rest: &AtRest) -> bool {
+        if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
+            return false;
+        }
+        self.held.refuses(rest.pose.position)
+    }
+
+    /// Bumped again and again in one place, the robot is held between things, and every step it thinks
+    /// free leads it against one of them. The way it came was free: it leaves by that, its back first,
+    /// where no bumper is held by what it touches.
+    pub(super) fn leave(&mut self, rest: &AtRest) -> Option<Ask> {
+        let here = rest.pose.position;
+        let inward = angle::of(here - self.held.bump(here)?);
+        self.doing = Doing::Leaving;
+        Some(Ask {
+            motion: Motion::Turn {
+                angle: angle::wrap(inward - rest.pose.heading),
+                rate: f64::INFINITY,
+            },
+            guard: Guard::default(),
+            why: "held between things: leaving by the way it came",
+        })
+    }
+
+    pub(super) fn back_out(&mut self, why: &'static str) -> Ask {
+        self.doing = Doing::BackingOff;
+        self.stride = SHORTEST_STRIDE;
+        Ask {
+            motion: Motion::Move { distance: -BACK_OUT, speed: f64::INFINITY },
+            guard: Guard { rise: Roles::set(&[self.roles.back]), ..Guard::default() },
+            why,
+        }
+    }
+}

@@ -224,13 +224,12 @@ impl Circuit {
         if self.squeezing.is_some_and(out) {
             self.squeezing = None;
             self.follower.squeeze(false);
-        } else if self.squeezing.is_none() && visits >= ASTRAY && !self.rounds_a_thing(earliest) {
+        } else if self.squeezing.is_none() && visits >= ASTRAY {
             self.squeezing = Some(now.travelled);
             self.pocket = Some(Pocket::new(earliest, now.travelled));
             self.follower.squeeze(true);
         }
-        let round_a_thing = visits >= ASTRAY && self.rounds_a_thing(earliest);
-        let lost = visits >= LOST || (round_a_thing && self.led_from.is_none());
+        let lost = visits >= LOST;
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
         if lost && self.led_from.is_none() {
             let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
@@ -238,13 +237,6 @@ impl Circuit {
             return false;
         }
         lost || too_long
-    }
-
-    /// Whether the rounds since `travelled` metres go round the outside of something: no gap leads out of
-    /// those, however narrow.
-    fn rounds_a_thing(&self, travelled: f64) -> bool {
-        let since = self.trail.iter().find(|place| place.travelled >= travelled);
-        since.is_some_and(|anchor| self.sense(anchor) * self.side().sign() > 0.0)
     }
 
     /// The robot left what it followed and goes round something else, of which there is no way back: from

@@ -13,6 +13,12 @@ use thiserror::Error;
 const CORNER: f64 = 0.35;
 /// An end farther than this from the outline is no place of it, metres.
 const OFF: f64 = 1.0;
+/// How well a person says where a tape was held, metres.
+const PLACE_SD: f64 = 0.15;
+/// What the common scale of both wheels is out of the box, as a share of one.
+const SCALE_SD: f64 = 0.01;
+/// A tape across a wall makes an angle with it whose cosine is below this.
+const ACROSS: f64 = 0.5;
 /// A tape that disagrees with the map by more than this share was held elsewhere.
 const MOST: f64 = 0.06;
 
@@ -74,24 +80,22 @@ impl FromStr for Tape {
 
 impl Tape {
     /// The length on a map with `outline`: between the corners that its ends are near to, or the
-    /// nearest places of the walls; none when an end is near to neither.
+    /// nearest places of the walls; none when an end is near to neither. Of several such pairs that
+    /// one which is likeliest: near to where the ends were said to be, and about as long as the tape.
     #[must_use]
     pub fn on(&self, outline: &Ring) -> Option<f64> {
-        let place = |end: Point| {
-            let corner = outline
-                .pieces
-                .iter()
-                .map(Piece::from)
-                .min_by(|a, b| (a - end).norm_squared().total_cmp(&(b - end).norm_squared()))
-                .filter(|corner| (corner - end).norm() < CORNER);
-            let wall = || {
-                let foot = outline.nearest(end).filter(|foot| foot.distance < OFF)?;
-                Some(outline.pieces[foot.piece].at(foot.t))
-            };
-            corner.or_else(wall)
+        let (from, to) = (places(outline, self.from, self.to), places(outline, self.to, self.from));
+        let unlikely = |from: Point, to: Point, length: f64| {
+            let off = (from - self.from).norm_squared() + (to - self.to).norm_squared();
+            let scale = (self.length / length - 1.0) / SCALE_SD;
+            off / PLACE_SD.powi(2) + scale * scale
         };
-        let length = (place(self.to)? - place(self.from)?).norm();
-        (length > 0.1).then_some(length)
+        from.iter()
+            .flat_map(|&from| to.iter().map(move |&to| (from, to, (to - from).norm())))
+            .filter(|&(.., length)| length > 0.1)
+            .map(|(from, to, length)| (unlikely(from, to, length), length))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, length)| length)
     }
 
     /// By how much to stretch a map on which the length is `mapped`; none when the two are so far
@@ -101,6 +105,21 @@ impl Tape {
         let stretch = self.length / mapped;
         ((stretch - 1.0).abs() < MOST).then_some(stretch)
     }
+}
+
+/// What of `outline` a tape that goes to `other` may have been held to when its end was said to be
+/// at `end`: the corners near by, and the wall. A tape that runs along the wall ends at a corner.
+fn places(outline: &Ring, end: Point, other: Point) -> Vec<Point> {
+    let corners = outline.pieces.iter().map(Piece::from);
+    let mut places: Vec<Point> = corners.filter(|corner| (corner - end).norm() < CORNER).collect();
+    if let Some(foot) = outline.nearest(end).filter(|foot| foot.distance < OFF) {
+        let piece = &outline.pieces[foot.piece];
+        let along = piece.tangent(foot.t).dot(&(other - end)).abs();
+        if places.is_empty() || along < ACROSS * (other - end).norm() {
+            places.push(piece.at(foot.t));
+        }
+    }
+    places
 }
 
 #[cfg(test)]
@@ -121,6 +140,17 @@ mod tests {
         assert!((across - 5.1).abs() < 1e-9, "{across}");
         assert_eq!(tape((0.0, 0.0), (9.0, 0.0), 9.0).on(&outline), None, "no wall there");
         assert_eq!(tape((0.0, 0.0), (0.1, 0.0), 0.1).on(&outline), None, "no length at all");
+    }
+
+    #[test]
+    fn of_two_corners_near_an_end_the_tape_tells_which() {
+        // A step of 20 cm by 10 cm in the corner at 5, 0.
+        let corners = [(0.0, 0.0), (4.8, 0.0), (4.8, 0.1), (5.0, 0.1), (5.0, 4.0), (0.0, 4.0)];
+        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        for (length, mapped) in [(4.82, 4.8), (5.02, 5.0), (4.99, 5.0)] {
+            let on = tape((0.0, 0.0), (4.9, 0.1), length).on(&outline).expect("two places");
+            assert!((on - mapped).abs() < 2e-3, "{length}: {on}");
+        }
     }
 
     #[test]

@@ -8,7 +8,9 @@ use crate::geometry::{Point, Vector, cross};
 use crate::mapping::map::{Contact, ContactKind};
 
 /// How far a contact may be moved in the order, in places.
-const WINDOW: usize = 24;
+const WINDOW: usize = 64;
+/// How long a stretch may be reversed, in places.
+const REVERSED: usize = 24;
 /// Longest stretch that is moved as one.
 const CHAIN: usize = 4;
 /// What turning to see the surface from the opposite side counts as, metres: keeps the two faces
@@ -118,7 +120,7 @@ fn reverse_stretches(order: &mut [usize], lifted: &[Lifted]) -> bool {
     let mut improved = false;
     for i in 0..order.len().saturating_sub(3) {
         let before = distance(order[i], order[i + 1]);
-        for k in i + 2..(i + WINDOW).min(order.len() - 1) {
+        for k in i + 2..(i + REVERSED).min(order.len() - 1) {
             let joined = distance(order[i], order[k]);
             if joined >= before {
                 continue;

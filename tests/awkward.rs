@@ -1,7 +1,7 @@
 //! Rooms in which things stand awkwardly: a gap that the robot passes on one side only and that would
 //! keep it going round the thing behind it for ever; a thing seen past from both sides of a gap; a post
 //! thinner than a beam is sure to meet; a wedge that holds the body on both sides; a board with no passage
-//! between it and the wall.
+//! between it and the wall; a pocket that the robot slips into.
 
 mod common;
 
@@ -90,6 +90,19 @@ name = "box3"
 vertices = [[2.3810, 1.1883], [2.4017, 0.1123], [2.6373, 0.1169], [2.6167, 1.1928]]
 "#;
 
+const POCKET: &str = r#"
+name = "a star and a box close off the end of a room but for a gap that the robot slips through"
+start = { x = -2.022, y = -4.760, heading = 235.8 }
+[boundary]
+vertices = [[-1.572, -1.146], [-3.669, -2.675], [-2.700, -4.004], [-4.272, -5.150], [-3.406, -6.338], [1.835, -2.517], [0.969, -1.329], [-0.603, -2.476]]
+[[objects]]
+name = "star1"
+vertices = [[-2.991, -5.057], [-2.999, -5.231], [-3.146, -5.323], [-2.983, -5.384], [-2.941, -5.553], [-2.833, -5.417], [-2.659, -5.429], [-2.755, -5.284], [-2.690, -5.122], [-2.858, -5.169]]
+[[objects]]
+name = "box4"
+vertices = [[-3.495, -4.810], [-3.078, -5.063], [-2.969, -4.883], [-3.386, -4.630]]
+"#;
+
 fn centre(ring: &Ring) -> Option<Point> {
     ring::bounds(&ring.to_points(0.001)).map(|(low, high)| nalgebra::center(&low, &high))
 }
@@ -114,6 +127,16 @@ fn wrong(world: &str, names: &[&str]) -> Vec<String> {
         .collect();
     assert_eq!(said.len(), names.len(), "things of the world");
     said.into_iter().flatten().collect()
+}
+
+#[test]
+fn a_pocket_that_the_robot_slipped_into_is_not_the_room() {
+    let world = World::from_toml(POCKET, "room", 0.1).expect("a world");
+    let settings = Settings::new(world.start);
+    let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Shape);
+    let shape = map.shape.as_ref().expect("a shape");
+    assert!(shape.outline.contains(world.start.position), "the robot is in the room it maps");
+    assert!(shape.outline.area() > 9.0, "{} m2", shape.outline.area());
 }
 
 #[test]

@@ -50,13 +50,6 @@ const ROUNDS_ALIKE: f64 = 0.03;
 const SAME_ROUND: f64 = 0.1;
 /// No lap has as many rounds.
 const MOST_ROUNDS: f64 = 5.0;
-/// A lap longer than this will not close any more, metres.
-const LONGEST_LAP: f64 = 2000.0;
-/// Rounds away from the beginning after which the robot is in a pocket, and lost in it.
-const ASTRAY: usize = 2;
-const LOST: usize = 5;
-/// It is out again when it has come to a new place after as many metres.
-const OUT: f64 = 0.5;
 /// On shorter laps no drift of the gyro leads astray, metres.
 const DRIFTING: f64 = 20.0;
 /// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
@@ -211,57 +204,6 @@ impl Circuit {
             }
             None => Leg::Failed(Failure::Boxed),
         }
-    }
-
-    /// Whether the lap will not close any more. In a pocket, away from its beginning, the robot first
-    /// tries to get out by squeezing through what it would not have entered.
-    fn is_endless(&mut self, tracker: &Tracker) -> bool {
-        let (Some(now), Some(first)) = (self.previous, self.anchors.first()) else {
-            return false;
-        };
-        let (visits, earliest) = astray::visits(&self.trail, first.pose.position);
-        let out = |since: f64| visits == 0 && now.travelled - since > OUT;
-        if self.squeezing.is_some_and(out) {
-            self.squeezing = None;
-            self.follower.squeeze(false);
-        } else if self.squeezing.is_none() && visits >= ASTRAY {
-            self.squeezing = Some(now.travelled);
-            self.pocket = Some(Pocket::new(earliest, now.travelled));
-            self.follower.squeeze(true);
-        }
-        let lost = visits >= LOST;
-        let too_long = now.travelled - first.travelled > LONGEST_LAP;
-        if lost && self.led_from.is_none() {
-            let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
-            self.begin_anew(begun.position);
-            return false;
-        }
-        lost || too_long
-    }
-
-    /// The robot left what it followed and goes round something else, of which there is no way back: from
-    /// here on the lap is one round that.
-    fn begin_anew(&mut self, led_from: Point) {
-        self.led_from = Some(led_from);
-        self.anchors.clear();
-        self.passed.clear();
-        self.candidates.clear();
-        self.trail.clear();
-        self.previous = None;
-        self.pocket = None;
-        self.squeezing = None;
-        self.follower.squeeze(false);
-    }
-
-    /// Whether a lap that began anew closed round the inside of a pocket, which the robot came into from
-    /// outside, and neither round a thing nor round the room that it was in before.
-    fn is_pocket(&self, closure: &Closure) -> bool {
-        let Some(led_from) = self.led_from.filter(|_| !closure.is_extrinsic()) else {
-            return false;
-        };
-        let way = self.trail.iter().filter(|place| place.travelled >= closure.from.travelled);
-        let way: Vec<Point> = way.map(|place| place.pose.position).collect();
-        !Ring::polygon(&way).contains(led_from)
     }
 
     fn before_step(&mut self, tracker: &Tracker) {
@@ -426,36 +368,5 @@ impl Circuit {
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_lap_that_began_anew_is_of_the_room_when_the_robot_was_within_it_before() {
-        // Clockwise round the inside of a circle of 1 m, the wall on the left.
-        let mut circuit =
-            Circuit::new(&Chassis::default(), Side::Left, Wall::new(&Chassis::default()), 1.0);
-        circuit.trail = (0..=63_u32)
-            .map(|k| {
-                let travelled = f64::from(k) * 0.1;
-                let position = Point::origin() + angle::unit(-travelled);
-                let heading = -travelled - angle::FRAC_PI_2;
-                let pose = Pose { position, heading: angle::wrap(heading) };
-                Anchor { pose, heading, travelled, time_us: u64::from(k) * 500_000 }
-            })
-            .collect();
-        let (from, to) = (circuit.trail[0], circuit.trail[63]);
-        let side = Side::Left;
-        let closure = Closure { from, to, side, drift: 0.0, last_round: 0.0, pocket: None };
-        assert!(!circuit.is_pocket(&closure), "it never began anew");
-        circuit.led_from = Some(Point::new(0.3, 0.2));
-        assert!(!circuit.is_pocket(&closure), "it was led off in this room");
-        circuit.led_from = Some(Point::new(1.8, 0.0));
-        assert!(circuit.is_pocket(&closure), "it came in from outside");
-        let outside = Closure { side: Side::Right, ..closure };
-        assert!(!circuit.is_pocket(&outside), "a thing that was gone round is no pocket");
     }
 }

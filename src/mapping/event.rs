@@ -82,6 +82,8 @@ pub enum EventKind {
         /// Why.
         why: Failure,
     },
+    /// It closed in a pocket, which the robot came into by a gap that it would not enter along a wall.
+    Pocket,
     /// The operator wants so many laps.
     LapsWanted {
         /// How many in all.

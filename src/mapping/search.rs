@@ -1,6 +1,8 @@
 //! The Boundary phase (paper III.C): pick a direction, drive until something is met, go round it;
 //! if that was an object, pick another direction, until it was the boundary.
 
+mod retreat;
+
 use super::adjust::Adjustment;
 use super::circuit::{Circuit, Closure, Leg};
 use super::drift::Unwound;
@@ -17,9 +19,12 @@ use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use retreat::Retreat;
 
 /// Directions that are tried before the search is given up.
 const MOST_TRIES: usize = 40;
+/// Pockets that are left again. What is met once more then is the room: the robot began in a niche of it.
+const MOST_POCKETS: usize = 2;
 /// Metres driven again after a lap has closed, for the misclosure.
 const OVERLAP: f64 = 1.0;
 /// A contact this near a known object belongs to it, metres.
@@ -38,6 +43,8 @@ enum Doing {
     Lapping(Box<Circuit>),
     /// Going round a known object, back to the line.
     Passing(Box<Passing>),
+    /// On the way back out of a pocket.
+    Leaving(Retreat),
 }
 
 /// What comes next.
@@ -58,7 +65,10 @@ pub struct Search {
     doing: Doing,
     /// The line driven: where it began and its direction.
     line: Pose,
+    /// When it was begun, robot time, microseconds.
+    line_begun_us: u64,
     tried: usize,
+    pockets: usize,
     rng: ChaCha8Rng,
     wall: Wall,
     laps: u32,
@@ -76,7 +86,9 @@ impl Search {
             chassis: settings.chassis.clone(),
             doing: Doing::Turning,
             line: from,
+            line_begun_us: 0,
             tried: 0,
+            pockets: 0,
             rng: ChaCha8Rng::seed_from_u64(settings.seed),
             wall: Wall::new(&settings.chassis),
             laps: 0,
@@ -108,7 +120,7 @@ impl Search {
         match &mut self.doing {
             Doing::Lapping(circuit) => &mut circuit.wall,
             Doing::Passing(passing) => &mut passing.wall,
-            Doing::Turning | Doing::Driving => &mut self.wall,
+            Doing::Turning | Doing::Driving | Doing::Leaving(_) => &mut self.wall,
         }
     }
 
@@ -118,7 +130,7 @@ impl Search {
         match &self.doing {
             Doing::Lapping(circuit) => &circuit.wall,
             Doing::Passing(passing) => &passing.wall,
-            Doing::Turning | Doing::Driving => &self.wall,
+            Doing::Turning | Doing::Driving | Doing::Leaving(_) => &self.wall,
         }
     }
 
@@ -141,7 +153,10 @@ impl Search {
     ) -> Next {
         loop {
             match std::mem::replace(&mut self.doing, Doing::Turning) {
-                Doing::Turning => return self.set_out(rest, tell),
+                Doing::Turning => {
+                    self.line_begun_us = tracker.time_us();
+                    return self.set_out(rest, tell);
+                }
                 Doing::Driving => {
                     if let Some(next) = self.arrived(tracker, rest, map, tell) {
                         return next;
@@ -159,6 +174,14 @@ impl Search {
                     }
                     Way::Leg(_) => self.turn_elsewhere(rest, tell),
                 },
+                Doing::Leaving(mut retreat) => {
+                    if let Some(ask) = retreat.next(rest) {
+                        self.doing = Doing::Leaving(retreat);
+                        return Next::Go(ask);
+                    }
+                    self.wall = Wall::new(&self.chassis);
+                    self.turn_elsewhere(rest, tell);
+                }
                 Doing::Lapping(mut circuit) => match circuit.next(tracker, rest) {
                     Leg::Go(ask) => {
                         self.doing = Doing::Lapping(circuit);
@@ -171,7 +194,11 @@ impl Search {
                         self.wall = circuit.wall;
                         self.unwind(closure.drift, tracker, map);
                         if !extrinsic {
-                            return Next::Found(closure, overlap);
+                            let Some(retreat) = self.pocket(tracker, &closure, tell) else {
+                                return Next::Found(closure, overlap);
+                            };
+                            self.doing = Doing::Leaving(retreat);
+                            continue;
                         }
                         self.record(tracker, &closure, &overlap, map, tell);
                         self.earlier.push((closure, self.wall.clone()));
@@ -184,6 +211,23 @@ impl Search {
                 },
             }
         }
+    }
+
+    /// The way out of the pocket that a lap closed in, if it was one.
+    fn pocket(
+        &mut self,
+        tracker: &Tracker,
+        closure: &Closure,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Retreat> {
+        if self.pockets == MOST_POCKETS {
+            return None;
+        }
+        let retreat = Retreat::from_pocket(tracker.path(), self.line_begun_us, closure)?;
+        self.pockets += 1;
+        self.laps -= 1;
+        tell.push(EventKind::Pocket);
+        Some(retreat)
     }
 
     /// Takes the drift that a lap has shown out of all that was driven and seen.

@@ -1,9 +1,10 @@
-//! Laps that go round and round away from where they began. The robot came through a gap that is
-//! just too narrow to be found again from the other side, and is in a pocket of which it knows no
-//! way out; the lap would never close.
+//! Laps that go round and round without coming to an end. The robot came through a gap that is just
+//! too narrow to be found again from the other side: it is in a pocket of which it knows no way out,
+//! or goes round a thing that it took for wall. The lap would never close as it began.
 
-use super::Anchor;
-use crate::geometry::{Point, angle};
+use super::{Anchor, Circuit, Closure, Pocket};
+use crate::geometry::{Point, Ring, angle};
+use crate::mapping::odometry::Tracker;
 
 /// The same place again: nearer than this, metres ...
 const NEAR: f64 = 0.08;
@@ -16,32 +17,97 @@ const FACING: f64 = 0.3;
 const SHORTEST_ROUND: f64 = 1.0;
 /// A round that comes this near to the beginning may still close there, metres.
 const BEGINNING: f64 = 0.6;
+/// Rounds away from the beginning after which the robot is in a pocket, and lost in it.
+const ASTRAY: usize = 2;
+const LOST: usize = 5;
+/// Rounds after which it is lost although they come near the beginning.
+const IN_VAIN: usize = 8;
+/// It is out again when it has come to a new place after as many metres.
+const OUT: f64 = 0.5;
+/// A lap longer than this will not close any more, metres.
+const LONGEST_LAP: f64 = 2000.0;
 
-/// How often the robot was where it is now, facing the same way, since it last passed `beginning`, and
-/// the odometer at the first of those times, metres.
-pub(super) fn visits(trail: &[Anchor], beginning: Point) -> (usize, f64) {
+impl Circuit {
+    /// Whether the lap will not close any more. In a pocket, away from its beginning, the robot first
+    /// tries to get out by squeezing through what it would not have entered.
+    pub(super) fn is_endless(&mut self, tracker: &Tracker) -> bool {
+        let (Some(now), Some(first)) = (self.previous, self.anchors.first()) else {
+            return false;
+        };
+        let away = |place: &Anchor| (place.pose.position - first.pose.position).norm() > BEGINNING;
+        let (astray, earliest) = visits(&self.trail, away);
+        let out = |since: f64| astray == 0 && now.travelled - since > OUT;
+        if self.squeezing.is_some_and(out) {
+            self.squeezing = None;
+            self.follower.squeeze(false);
+        } else if self.squeezing.is_none() && astray >= ASTRAY {
+            self.squeezing = Some(now.travelled);
+            self.pocket = Some(Pocket::new(earliest, now.travelled));
+            self.follower.squeeze(true);
+        }
+        let lost = astray >= LOST || visits(&self.trail, |_| true).0 >= IN_VAIN;
+        let too_long = now.travelled - first.travelled > LONGEST_LAP;
+        if lost && self.led_from.is_none() {
+            let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
+            self.begin_anew(begun.position);
+            return false;
+        }
+        lost || too_long
+    }
+
+    /// The robot left what it followed and goes round something else, of which there is no way back: from
+    /// here on the lap is one round that.
+    fn begin_anew(&mut self, led_from: Point) {
+        self.led_from = Some(led_from);
+        self.anchors.clear();
+        self.passed.clear();
+        self.candidates.clear();
+        self.trail.clear();
+        self.previous = None;
+        self.pocket = None;
+        self.squeezing = None;
+        self.follower.squeeze(false);
+    }
+
+    /// Whether a lap that began anew closed round the inside of a pocket, which the robot came into from
+    /// outside, and neither round a thing nor round the room that it was in before.
+    pub(super) fn is_pocket(&self, closure: &Closure) -> bool {
+        let Some(led_from) = self.led_from.filter(|_| !closure.is_extrinsic()) else {
+            return false;
+        };
+        let way = self.trail.iter().filter(|place| place.travelled >= closure.from.travelled);
+        let way: Vec<Point> = way.map(|place| place.pose.position).collect();
+        !Ring::polygon(&way).contains(led_from)
+    }
+}
+
+/// How often the robot was where it is now, facing the same way, since it last was at a place that
+/// does not `count`, and the odometer at the first of those times, metres.
+fn visits(trail: &[Anchor], count: impl Fn(&Anchor) -> bool) -> (usize, f64) {
     let Some((now, before)) = trail.split_last() else { return (0, 0.0) };
     let mut last = now.travelled;
-    let mut count = 0;
-    let away = |place: &&Anchor| (place.pose.position - beginning).norm() > BEGINNING;
-    for place in before.iter().rev().take_while(away) {
+    let mut times = 0;
+    for place in before.iter().rev().take_while(|place| count(place)) {
         let since = now.travelled - place.travelled;
         let near = (NEAR + DRIFT * since).min(FARTHEST);
         let again = last - place.travelled > SHORTEST_ROUND
             && (place.pose.position - now.pose.position).norm() < near
             && angle::wrap(place.pose.heading - now.pose.heading).abs() < FACING;
         if again {
-            count += 1;
+            times += 1;
             last = place.travelled;
         }
     }
-    (count, last)
+    (times, last)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::Pose;
+    use crate::mapping::follow::Side;
+    use crate::mapping::wall::Wall;
+    use crate::robot::Chassis;
 
     /// `rounds` counter-clockwise rounds of a circle of radius 1 m about (`x`, 0), a step every 0.1 m.
     fn circling(rounds: f64, x: f64) -> Vec<Anchor> {
@@ -58,15 +124,37 @@ mod tests {
     }
 
     #[test]
-    fn each_round_away_from_the_beginning_counts() {
-        let beginning = Point::new(5.0, 0.0);
-        assert_eq!(visits(&circling(0.9, 0.0), beginning).0, 0);
-        assert_eq!(visits(&circling(1.1, 0.0), beginning).0, 1);
-        assert_eq!(visits(&circling(3.2, 0.0), beginning).0, 3);
+    fn each_round_counts_that_comes_by_no_other_place() {
+        for (rounds, times) in [(0.9, 0), (1.1, 1), (3.2, 3)] {
+            assert_eq!(visits(&circling(rounds, 0.0), |_| true).0, times);
+        }
+        let left = |place: &Anchor| place.pose.position.x < 0.9;
+        assert_eq!(visits(&circling(3.2, 0.0), left).0, 0);
     }
 
     #[test]
-    fn rounds_past_the_beginning_do_not() {
-        assert_eq!(visits(&circling(3.2, 0.0), Point::new(1.0, 0.0)).0, 0);
+    fn a_lap_that_began_anew_is_of_the_room_when_the_robot_was_within_it_before() {
+        // Clockwise round the inside of a circle of 1 m, the wall on the left.
+        let mut circuit =
+            Circuit::new(&Chassis::default(), Side::Left, Wall::new(&Chassis::default()), 1.0);
+        circuit.trail = (0..=63_u32)
+            .map(|k| {
+                let travelled = f64::from(k) * 0.1;
+                let position = Point::origin() + angle::unit(-travelled);
+                let heading = -travelled - angle::FRAC_PI_2;
+                let pose = Pose { position, heading: angle::wrap(heading) };
+                Anchor { pose, heading, travelled, time_us: u64::from(k) * 500_000 }
+            })
+            .collect();
+        let (from, to) = (circuit.trail[0], circuit.trail[63]);
+        let side = Side::Left;
+        let closure = Closure { from, to, side, drift: 0.0, last_round: 0.0, pocket: None };
+        assert!(!circuit.is_pocket(&closure), "it never began anew");
+        circuit.led_from = Some(Point::new(0.3, 0.2));
+        assert!(!circuit.is_pocket(&closure), "it was led off in this room");
+        circuit.led_from = Some(Point::new(1.8, 0.0));
+        assert!(circuit.is_pocket(&closure), "it came in from outside");
+        let outside = Closure { side: Side::Right, ..closure };
+        assert!(!circuit.is_pocket(&outside), "a thing that was gone round is no pocket");
     }
 }

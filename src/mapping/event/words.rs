@@ -132,9 +132,12 @@ fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
-/// What became of laps after the first.
+/// What became of a lap.
 fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
+        EventKind::Pocket => f.write_str(
+            "that was a pocket behind a gap too narrow to pass: back out by the way it came",
+        ),
         EventKind::LapsWanted { laps } => {
             write!(f, "{laps} laps in all, as soon as one has closed")
         }
@@ -266,7 +269,8 @@ impl fmt::Display for EventKind {
             ),
             Self::Unreached { .. } | Self::Untouched { .. } => out_of_reach(f, self),
             Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
-            Self::LapsWanted { .. }
+            Self::Pocket
+            | Self::LapsWanted { .. }
             | Self::LapAgain { .. }
             | Self::LapAveraged { .. }
             | Self::LapCut { .. } => laps(f, self),
@@ -326,6 +330,7 @@ impl EventKind {
             }
             Self::LapFailed { .. }
             | Self::LapCut { .. }
+            | Self::Pocket
             | Self::ContactLost
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }

@@ -18,6 +18,9 @@ const END: f64 = 0.045;
 /// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
 /// every purpose of the robot's.
 const SHORTEST: f64 = 0.05;
+/// A chord joins what was seen on both sides, and need not run straight across: it is up to as many
+/// times as long as the gap is wide.
+const SLANT: f64 = 1.2;
 /// Where a wall ends, the outline turns away from the floor by at least this (sine).
 const WALL_ENDS: f64 = 0.17;
 /// No more than this is seen of the end face of a wall beside a gap, metres.
@@ -27,7 +30,7 @@ const NARROWEST: f64 = 0.08;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres.
-const NECK: f64 = 0.25;
+const NECK: f64 = 0.34;
 /// What was gone round more than once begins and ends no farther apart than this, metres.
 const ROUND: f64 = 0.1;
 /// Nothing smaller than this is cut off, square metres.
@@ -144,7 +147,7 @@ fn cut(
     let pieces = &outline.pieces;
     let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
     let touched: Vec<(Point, Point)> = surfaces.map(|c| (c.point, c.from)).collect();
-    let widest = chassis.passable_gap();
+    let widest = SLANT * chassis.passable_gap();
     let chords: Vec<usize> =
         (0..pieces.len()).filter(|&k| is_chord(&pieces[k], floor, &touched, widest)).collect();
     let mut pairs = chords

@@ -22,9 +22,9 @@ pub struct Sweep {
     pub reach: f64,
 }
 
-/// A surface this much nearer than the reach, metres, and this far from either end of a sweep,
-/// radians, would have been seen.
+/// A surface this much nearer than the reach, metres, ...
 const SURE: f64 = 0.010;
+/// ... and this far from either end of a sweep, radians, would have been seen.
 const INSIDE: f64 = 0.05;
 
 impl Sweep {
@@ -86,9 +86,8 @@ impl Rolling {
         };
         let mut frontier = Frontier::of(contacts, chain[chain.len() - 1], pose, self.side);
         let mut obstacles = contacts.to_vec();
-        let mut step = step;
+        let step = if ended { step } else { step.min(frontier.longest_chord(self)) };
         if !ended {
-            step = step.min(frontier.longest_chord(self));
             let count = ((step + self.radius).min(frontier.extent) / 0.02) as i32;
             let beyond = |k: i32| frontier.beyond(f64::from(k) * 0.02);
             let seen_through = |p: &Point| swept.is_some_and(|sweep| sweep.rules_out(*p));

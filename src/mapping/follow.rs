@@ -5,8 +5,8 @@
 //! first direction, counted from the wall away, that keeps the disc clear of every contact. Beyond
 //! the last contact the wall is believed to go on as it came, straight or round, until a look says
 //! that it does not; then the disc rolls round the last contact, which is what an outer corner asks
-//! for. Between steps the robot looks: it swings towards the wall until its front diagonal switch closes, which
-//! gives contacts ahead before it gets there.
+//! for. Between steps the robot looks: it swings towards the wall until its front diagonal switch
+//! closes, which gives contacts ahead before it gets there.
 //!
 //! Owns no pose and no contacts; it is told both. Knows nothing of laps or maps.
 
@@ -144,8 +144,11 @@ const SQUEEZED: f64 = 0.02;
 const BESIDE: f64 = 0.02;
 /// What is seen beyond a tip lies this far past it at least, metres.
 const PAST_TIP: f64 = 0.02;
+/// A step along a wall of which little is known, metres, ...
 const SHORTEST_STRIDE: f64 = 0.09;
+/// ... and along one that goes on as it did.
 const LONGEST_STRIDE: f64 = 0.50;
+/// A step round a corner, metres.
 const ROUND_CORNER: f64 = 0.06;
 /// Rolling round a corner never turns farther towards the wall than this at once, radians.
 const MOST_TOWARDS: f64 = 1.9;

@@ -27,6 +27,8 @@ const MEMORY: f64 = 2.0;
 const NEIGHBOURHOOD: f64 = 0.6;
 /// What lies farther ahead than this lies beyond where the robot turned back, metres.
 const BEYOND: f64 = 0.02;
+/// A touch that the body has come over by more than this was elsewhere, metres. So much a bumper gives.
+const UNDER: f64 = 0.04;
 /// Edges of one switch nearer than this while turning are two crossings of one silhouette.
 const SILHOUETTE: f64 = 0.014;
 
@@ -325,7 +327,12 @@ impl Wall {
             if !seen.alive || (touch && seen.sensor.is_some()) {
                 continue;
             }
-            if !touch && (seen.point - to.position).norm() < self.radius - 0.006 {
+            let under = self.radius - (seen.point - to.position).norm();
+            if touch && under > UNDER {
+                moved.push(index);
+                continue;
+            }
+            if !touch && under > 0.006 {
                 seen.alive = false;
                 continue;
             }
@@ -386,6 +393,20 @@ impl Wall {
 mod tests {
     use super::*;
     use crate::robot::Odometer;
+
+    #[test]
+    fn a_touch_that_the_body_came_over_was_elsewhere() {
+        let mut wall = Wall::new(&Chassis::default());
+        let touch = wall.touch(Pose::new(0.0, 0.0, 0.0), 0.0, 0);
+        wall.carve(Pose::new(-0.03, 0.0, 0.0), SwitchSet::EMPTY, 0.03);
+        assert_eq!(wall.log()[0].point, touch.point);
+        // On past the place a little to the left, where the body covers it; no beam says anything.
+        let closed = (0..8).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
+        wall.carve(Pose::new(-0.03, 0.0, 0.9), closed, 0.03);
+        wall.carve(Pose::new(0.08, 0.06, 0.9), closed, 0.16);
+        let moved = wall.log()[0];
+        assert!((moved.point - Point::new(0.08, 0.06)).norm() > 0.075, "{moved:?}");
+    }
 
     /// The robot touches something and then turns on the spot by `angle`, all switches open.
     fn turned_after_a_touch(angle: f64) -> (Wall, Sighting) {

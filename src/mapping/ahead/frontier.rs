@@ -1,4 +1,5 @@
-//! Where the known wall ends, and how it is believed to go on: straight, or round as it came.
+//! Where the known wall ends, and how it is believed to go on: straight, or round as it came. Knows the
+//! contacts and nothing of the motion that they are for.
 
 use super::Rolling;
 use crate::geometry::fit::Moments;
@@ -42,12 +43,13 @@ const STRAYS: usize = 3;
 const LONGEST_RUN: f64 = 0.6;
 /// Nor a round one. The longer it is the better its curvature is known.
 const LONGEST_BEND: f64 = 1.2;
-/// A round run is longer than the straight one that ends it by this, at least, and no shorter than this,
-/// metres; it has no fewer contacts, none farther from the next than that: two straight walls
-/// are soon on a circle where few contacts tell them.
+/// A round run is at least so many times as long as the straight one that ends it, ...
 const MORE: f64 = 1.2;
+/// ... no shorter than this, metres, ...
 const SHORTEST_BEND: f64 = 0.3;
+/// ... of no fewer contacts than this: few of two straight walls soon lie on a circle, ...
 const FEWEST: usize = 7;
+/// ... and none of them is farther from the next than this share of it.
 const DENSE: f64 = 0.6;
 /// Its contacts lie no farther from the circle than this, metres, root mean square.
 const SMOOTH: f64 = 0.0025;
@@ -60,7 +62,7 @@ impl Frontier {
         let newest = contacts.iter().rposition(|p| *p == at).unwrap_or(0);
         let before = &contacts[..newest];
         let away = at - pose.position;
-        // Where the wall is on the left its contacts come with the robot's way on their right.
+        // Looked at by the robot, a wall on the left goes on to the right.
         let onward = |along: Vector| -side.sign() * cross(away, along) >= 0.0;
         let straight = straight_run(before, at);
         let spread = straight.map_or(0.0, |(_, spread)| spread);

@@ -1,5 +1,5 @@
 //! What the follower does where it cannot go on along the wall: off what it bumped into, out of a gap that
-//! is too narrow, out of where it is held.
+//! is too narrow, out of where it is held. Which of these it is in, the follower decides.
 
 use super::roles::Roles;
 use super::{Ask, AtRest, Doing, Follower, SHORTEST_STRIDE};

@@ -251,6 +251,7 @@ impl Mission {
         true
     }
 
+    /// Whether the fit has made an outline, of the room that the robot drove in.
     fn is_sound(&self, fitted: &Result<Ring, Failure>) -> bool {
         fitted.as_ref().is_ok_and(|outline| self.encloses_the_lap(outline))
     }

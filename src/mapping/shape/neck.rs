@@ -29,7 +29,8 @@ const END_FACE: f64 = 0.1;
 const NARROWEST: f64 = 0.08;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
-/// The two chords of a neck begin, and end, no farther apart than this, metres.
+/// The two chords of a neck begin, and end, no farther apart than this, metres: about as far as the
+/// switches see into a gap from both of its ends.
 const NECK: f64 = 0.34;
 /// What was gone round more than once begins and ends no farther apart than this, metres.
 const ROUND: f64 = 0.1;
@@ -41,6 +42,9 @@ const THINNEST: f64 = 0.006;
 const LARGEST: f64 = 0.25;
 /// The fit to a thing's own contacts is as large as what was cut, within this factor.
 const ALIKE: f64 = 1.5;
+/// What stands for several rounds of a thing, or is fitted to it, has all of its corners as near as this,
+/// metres.
+const LEFT_OUT: f64 = 0.06;
 /// Cuts at most.
 const MOST_CUTS: u32 = 20;
 /// Islands of more pieces than this are not searched for rounds.
@@ -150,11 +154,19 @@ fn cut(
     let widest = SLANT * chassis.passable_gap();
     let chords: Vec<usize> =
         (0..pieces.len()).filter(|&k| is_chord(&pieces[k], floor, &touched, widest)).collect();
-    let mut pairs = chords
+    let width = |i: usize, k: usize| {
+        let (a, b) = (&pieces[i], &pieces[k]);
+        (a.from() - b.to()).norm().max((a.to() - b.from()).norm())
+    };
+    let mut pairs: Vec<(usize, usize)> = chords
         .iter()
         .enumerate()
-        .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]));
-    pairs.find_map(|(i, k)| {
+        .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]))
+        .filter(|&(i, k)| width(i, k) < NECK)
+        .collect();
+    // The narrowest neck first: a wide one may be of several things, each with a neck of its own.
+    pairs.sort_by(|one, other| width(one.0, one.1).total_cmp(&width(other.0, other.1)));
+    pairs.into_iter().find_map(|(i, k)| {
         let (rest, island) = split(outline, i, k, floor)?;
         // Both as they were cut and as they are fitted: a fit may leave out a thin end.
         if Gap::between(&rest, &island)?.is_closed() {
@@ -186,7 +198,8 @@ fn fitted(island: Ring, rest: &Ring, contacts: &[Contact]) -> Ring {
     let (area, cut) = (ring.area(), island.area());
     let alike = area > cut / ALIKE && area < cut * ALIKE;
     let simple = crossings(&ring.to_points(SAGITTA)).is_empty();
-    if own.len() >= 4 && alike && simple { ring } else { island }
+    let whole = island.pieces.iter().all(|piece| ring.distance(piece.from()) < LEFT_OUT);
+    if own.len() >= 4 && alike && simple && whole { ring } else { island }
 }
 
 /// The outline cut at the chords `i` and `k`: what lies between them on the way from `i` to `k` is the
@@ -194,12 +207,6 @@ fn fitted(island: Ring, rest: &Ring, contacts: &[Contact]) -> Ring {
 fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
     let count = pieces.len();
-    let (to_island, from_island) = (pieces[i], pieces[k]);
-    let (a, b) = (to_island.from(), to_island.to());
-    let (c, d) = (from_island.from(), from_island.to());
-    if (a - d).norm() > NECK || (b - c).norm() > NECK {
-        return None;
-    }
     let between = |from: usize, to: usize| -> Vec<Piece> {
         let steps = (to + count - from - 1) % count;
         (1..=steps).map(|n| pieces[(from + n) % count]).collect()
@@ -229,7 +236,11 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
         return (two && !within(&rest, &island) && !within(&island, &rest))
             .then_some((rest, island));
     }
-    let island = once.or_else(|| one_round(&whole).and_then(closed))?;
+    let again = || {
+        let all_of_it = |ring: &Ring| whole.iter().all(|p| ring.distance(p.from()) < LEFT_OUT);
+        one_round(&whole).and_then(closed).filter(all_of_it)
+    };
+    let island = once.or_else(again)?;
     let area = island.area();
     // A column is one arc, closed where the neck was.
     if island.pieces.len() < 2

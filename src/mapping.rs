@@ -19,6 +19,7 @@ pub mod passing;
 pub mod plan;
 pub mod relocate;
 pub mod retrace;
+mod retreat;
 pub mod search;
 pub mod settings;
 pub mod shape;

@@ -1,8 +1,6 @@
 //! The Boundary phase (paper III.C): pick a direction, drive until something is met, go round it;
 //! if that was an object, pick another direction, until it was the boundary.
 
-mod retreat;
-
 use super::adjust::Adjustment;
 use super::circuit::{Circuit, Closure, Leg};
 use super::drift::Unwound;
@@ -12,6 +10,7 @@ use super::lay::Overlap;
 use super::map::{Contact, MappedObject, ObjectClass, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
+use super::retreat::Retreat;
 use super::settings::Settings;
 use super::shape::{Thing, is_mapped, post, things};
 use super::wall::{Sighting, Wall};
@@ -19,7 +18,6 @@ use crate::geometry::{Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use retreat::Retreat;
 
 /// Directions that are tried before the search is given up.
 const MOST_TRIES: usize = 40;

@@ -22,6 +22,7 @@ use super::follow::{Ask, AtRest};
 use super::map::{LineReason, LineStatus, PlanLine, RoomMap};
 use super::odometry::Tracker;
 use super::passing::Passing;
+use super::retreat::Retreat;
 use super::settings::{Contour, Settings};
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
@@ -44,6 +45,8 @@ const MOST_UNDECIDED: u32 = 200;
 const MOST_LEFT_OPEN: u32 = 2;
 /// The disc is brought this far below α, since the pose is never quite known, metres.
 const PROMISE_MARGIN: f64 = 0.045;
+/// Where the robot was shut in before, metres around, it is not led out once more.
+const LED_OUT: f64 = 0.1;
 /// Extra lines at most, so that a tour always ends.
 const MOST_EXTRA: usize = 60;
 
@@ -54,6 +57,7 @@ enum Doing {
     BackingOff(Box<Drive>),
     Rounding(Round),
     Tying(Shuttle),
+    Retreating(Retreat),
     Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
 }
 
@@ -99,6 +103,8 @@ pub struct Tour {
     /// What is to be measured when the robot is there, and what was: place and direction.
     to_tie: Option<Span>,
     tied: Vec<(Point, Vector)>,
+    /// Where what is mapped left the robot no way out.
+    shut_in: Vec<Point>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
 }
@@ -135,6 +141,7 @@ impl Tour {
             look_next: None,
             to_tie: None,
             tied: Vec::new(),
+            shut_in: Vec::new(),
             fixed_by: None,
         }
     }
@@ -213,9 +220,20 @@ impl Tour {
             match std::mem::replace(&mut self.doing, Doing::Choosing) {
                 Doing::Choosing => {
                     self.follow_survey(scene.survey, scene.map);
+                    if let Some(retreat) = self.way_out(scene) {
+                        self.doing = Doing::Retreating(retreat);
+                        continue;
+                    }
                     let drive = self.choose(scene)?;
                     undecided = 0;
                     self.doing = Doing::Driving(Box::new(drive));
+                    reason = None;
+                }
+                Doing::Retreating(mut retreat) => {
+                    if let Some(ask) = retreat.next(&scene.rest) {
+                        self.doing = Doing::Retreating(retreat);
+                        return Some(ask);
+                    }
                     reason = None;
                 }
                 Doing::BackingOff(mut drive) => {
@@ -250,13 +268,31 @@ impl Tour {
         }
     }
 
+    /// The way back to where lines can be driven from, when what is mapped leaves none from here: something
+    /// was mapped nearer than it is, for the robot stands where it stands.
+    fn way_out(&mut self, scene: &Scene<'_>) -> Option<Retreat> {
+        let here = scene.rest.pose.position;
+        let clearance = self.chassis.radius + ROOM - 0.01;
+        let floor = self.floor(here);
+        if floor.is_way_out(here, clearance) {
+            return None;
+        }
+        let path = scene.tracker.path();
+        let retreat = Retreat::to_free(path, |place| floor.is_way_out(place, clearance))?;
+        if self.shut_in.iter().any(|place| (place - here).norm() < LED_OUT) {
+            return None;
+        }
+        self.shut_in.push(here);
+        Some(retreat)
+    }
+
     /// The robot was carried off: what it was doing is left undone, and its line is driven again.
     pub fn interrupt(&mut self, map: &mut RoomMap) {
         self.wall = Wall::new(&self.chassis);
         self.look_next = None;
         self.to_tie = None;
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Tying(_) => return,
+            Doing::Choosing | Doing::Tying(_) | Doing::Retreating(_) => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
                 *drive
             }
@@ -277,7 +313,7 @@ impl Tour {
     /// The line in hand is at an end: nothing on it leads anywhere.
     fn give_up(&mut self, scene: &mut Scene<'_>) {
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Tying(_) => return,
+            Doing::Choosing | Doing::Tying(_) | Doing::Retreating(_) => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
                 *drive
             }

@@ -22,6 +22,12 @@ impl Floor {
         [wide, between, clearance].into_iter().find_map(|keep| self.way(from, to, keep, clearance))
     }
 
+    /// Whether a way that keeps `clearance` may begin at `from`.
+    #[must_use]
+    pub fn is_way_out(&self, from: Point, clearance: f64) -> bool {
+        self.leave(from, clearance, clearance).is_some()
+    }
+
     /// Length of [`Floor::route`], metres.
     #[must_use]
     pub fn route_length(&self, from: Point, to: Point, clearance: f64) -> Option<f64> {

@@ -58,7 +58,7 @@ impl Gap {
         let across = self.to - self.from;
         let middle = nalgebra::center(&self.from, &self.to);
         let width = across.norm();
-        if self.is_closed() {
+        if self.is_closed() || width > chassis.passable_gap() {
             return false;
         }
         if width > 2.0 * body + UNSURE {

@@ -1,6 +1,7 @@
-//! Out of a pocket. Driving straight, the robot may slip through a gap that it would not enter along a
-//! wall. The lap then closes round the inside of something, and it is not the room: the robot was
-//! outside before. The way it came is known to be free, and it goes back by that.
+//! Back by the way it came, which is known to be free. Driving straight, the robot may slip through a gap
+//! that it would not enter along a wall: the lap then closes round the inside of a pocket, and that is
+//! not the room, since the robot was outside before. Or what is mapped leaves it no way out of where
+//! it stands, and it stands there all the same. Knows the way, and nothing of what is about it.
 
 use crate::geometry::{Point, Ring, angle, cross};
 use crate::mapping::circuit::Closure;
@@ -18,11 +19,13 @@ const REACHED: f64 = 0.02;
 /// Smaller turns are not worth a motion, radians.
 const FACING: f64 = 0.01;
 
-/// The way back to where the robot was before it came into a pocket.
+/// A way back.
 #[derive(Debug, Clone)]
 pub(super) struct Retreat {
     /// Places to go to, the next one last.
     way: Vec<Point>,
+    /// Why, for the operator.
+    why: &'static str,
 }
 
 impl Retreat {
@@ -46,7 +49,16 @@ impl Retreat {
         }
         let mut way = straightened(between(begun_us, from));
         way.extend(straightened(between(to, u64::MAX)));
-        Some(Self { way })
+        Some(Self { way, why: "went round a pocket: back by the way it came" })
+    }
+
+    /// The way back by `path` to the last place that `is_free`; none when the robot came by none, or was
+    /// carried since.
+    pub(super) fn to_free(path: &[PathPoint], is_free: impl Fn(Point) -> bool) -> Option<Self> {
+        let begun = path.iter().rposition(|point| point.carried).unwrap_or(0);
+        let since = path[begun..].iter().rposition(|point| is_free(point.pose.position))?;
+        let way = straightened(path[begun + since..].iter().map(|point| point.pose.position));
+        Some(Self { way, why: "shut in by what is mapped: back by the way it came" })
     }
 
     /// The next motion on the way back; none when it is at its end, or something is in the way.
@@ -65,8 +77,7 @@ impl Retreat {
         } else {
             Motion::Move { distance: off.norm().min(STRIDE), speed: f64::INFINITY }
         };
-        let why = "went round a pocket: back by the way it came";
-        Some(Ask { motion, guard: Guard::default(), why })
+        Some(Ask { motion, guard: Guard::default(), why: self.why })
     }
 }
 
@@ -93,6 +104,38 @@ fn straightened(way: impl Iterator<Item = Point>) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Pose;
+    use crate::mapping::map::{Phase, Spun};
+    use crate::robot::SwitchSet;
+
+    #[test]
+    fn the_way_back_ends_where_it_is_free() {
+        // Two metres along the x axis, free for the first of them.
+        let point = |k: u32| PathPoint {
+            pose: Pose::new(f64::from(k) * 0.1, 0.0, 0.0),
+            time_us: u64::from(k) * 500_000,
+            rested_us: 0,
+            spun: Spun::default(),
+            phase: Phase::Objects,
+            carried: false,
+        };
+        let mut path: Vec<PathPoint> = (0..=20).map(point).collect();
+        let free = |p: Point| p.x < 1.05;
+        let mut back = Retreat::to_free(&path, free).expect("a way");
+        let rest = |x: f64, heading: f64, reason: DoneReason| {
+            let pose = Pose::new(x, 0.0, heading);
+            AtRest { pose, closed: SwitchSet::EMPTY, reason }
+        };
+        let ask = |back: &mut Retreat, rest| back.next(&rest).map(|ask| ask.motion);
+        let turned = ask(&mut back, rest(2.0, 0.0, DoneReason::Complete));
+        assert!(matches!(turned, Some(Motion::Turn { .. })), "{turned:?}");
+        let moved = ask(&mut back, rest(2.0, angle::PI, DoneReason::Complete));
+        assert!(matches!(moved, Some(Motion::Move { distance, .. }) if distance == STRIDE));
+        assert_eq!(ask(&mut back.clone(), rest(1.0, angle::PI, DoneReason::Complete)), None);
+        assert_eq!(ask(&mut back, rest(1.6, angle::PI, DoneReason::Bumper)), None);
+        path[15].carried = true;
+        assert!(Retreat::to_free(&path, free).is_none(), "it did not drive there");
+    }
 
     #[test]
     fn a_way_keeps_its_corners_only() {

@@ -6,6 +6,7 @@
 //! the same ray in both directions (a surface opens 5 mm later than it closes, a silhouette does
 //! not), and by beams that later pass through a point without seeing it.
 
+mod carve;
 mod sighting;
 mod stretch;
 
@@ -15,11 +16,7 @@ pub use stretch::Stretch;
 use super::drift::Unwound;
 use super::map::{Contact, ContactKind};
 use crate::geometry::{Point, Pose, Vector, angle, cross};
-use crate::robot::{Chassis, Edge, SwitchSet};
-
-/// Where on the rim a touch may have been, in the order in which it is believed, as bearings towards
-/// the side on which something was seen last, radians.
-const RIM: [f64; 7] = [0.0, 0.39, 0.79, 1.18, -0.39, -0.79, -1.18];
+use crate::robot::{Chassis, Edge};
 
 /// How far back along the drive contacts are trusted to fit together, metres.
 const MEMORY: f64 = 2.0;
@@ -27,8 +24,6 @@ const MEMORY: f64 = 2.0;
 const NEIGHBOURHOOD: f64 = 0.6;
 /// What lies farther ahead than this lies beyond where the robot turned back, metres.
 const BEYOND: f64 = 0.02;
-/// A touch that the body has come over by more than this was elsewhere, metres. So much a bumper gives.
-const UNDER: f64 = 0.04;
 /// Edges of one switch nearer than this while turning are two crossings of one silhouette.
 const SILHOUETTE: f64 = 0.014;
 
@@ -177,24 +172,6 @@ impl Wall {
         seen
     }
 
-    /// A touch that was not where it was believed to be: the next place of the rim, or none is left.
-    fn move_along_rim(&mut self, index: usize) {
-        let seen = self.log[index];
-        let before = self.log[..index].iter().rev().find(|other| other.sensor.is_some());
-        let side = before.map_or(1.0, |other| {
-            let bearing = angle::of(other.point - seen.pose.position) - seen.pose.heading;
-            angle::wrap(bearing).signum()
-        });
-        let touch = &mut self.log[index];
-        touch.ruled_out += 1;
-        if let Some(bearing) = RIM.get(usize::from(touch.ruled_out)) {
-            touch.beam = touch.pose.heading + side * bearing;
-            touch.point = touch.pose.position + angle::unit(touch.beam) * self.radius;
-        } else {
-            touch.alive = false;
-        }
-    }
-
     /// Takes over a sighting that belongs to this wall.
     pub fn adopt(&mut self, seen: Sighting) {
         self.push(seen);
@@ -287,83 +264,6 @@ impl Wall {
             points.iter().map(|p| stretch.along.dot(&(p - stretch.at)).abs()).fold(0.0, f64::max);
         (spread > around.spread && stretch.residual < around.residual).then_some(stretch)
     }
-
-    /// The robot moved to `pose` with the switches in `closed` all the while: what an open beam or
-    /// the body passed through is not there.
-    pub fn carve(&mut self, pose: Pose, closed: SwitchSet, travelled: f64) {
-        let from = self.last_pose.replace(pose).unwrap_or(pose);
-        self.near.retain(|&index| {
-            let seen = &self.log[index];
-            seen.alive
-                && travelled - seen.travelled < MEMORY
-                && (seen.point - pose.position).norm() < NEIGHBOURHOOD
-        });
-        let turned = angle::wrap(pose.heading - from.heading);
-        let moved = pose.position - from.position;
-        let steps = ((turned.abs() / 0.2).ceil().max((moved.norm() / 0.02).ceil()) as u32).max(1);
-        let mut previous = from;
-        for k in 1..=steps {
-            let share = f64::from(k) / f64::from(steps);
-            let next = Pose {
-                position: from.position + moved * share,
-                heading: from.heading + turned * share,
-            };
-            self.carve_step(previous, next, closed);
-            previous = next;
-        }
-    }
-
-    fn carve_step(&mut self, from: Pose, to: Pose, closed: SwitchSet) {
-        let far = self.reach - 0.008;
-        let facing = (from.direction(), to.direction());
-        let local = |at: Point, facing: Vector, p: Point| {
-            Vector::new(facing.dot(&(p - at)), cross(facing, p - at))
-        };
-        let mut moved = Vec::new();
-        for &index in &self.near {
-            let seen = &mut self.log[index];
-            let touch = seen.kind == ContactKind::Touch;
-            // What was pulled in beside a gap is no touch of the bumper, and stays.
-            if !seen.alive || (touch && seen.sensor.is_some()) {
-                continue;
-            }
-            let under = self.radius - (seen.point - to.position).norm();
-            if touch && under > UNDER {
-                moved.push(index);
-                continue;
-            }
-            if !touch && under > 0.006 {
-                seen.alive = false;
-                continue;
-            }
-            let near_rim = self.radius - 0.002;
-            let before = local(from.position, facing.0, seen.point);
-            let after = local(to.position, facing.1, seen.point);
-            for (sensor, &ray) in self.rays.iter().enumerate() {
-                if closed.has(sensor) {
-                    continue;
-                }
-                let (side0, side1) = (cross(ray, before), cross(ray, after));
-                let (along0, along1) = (ray.dot(&before), ray.dot(&after));
-                let swept = side0 * side1 < 0.0 && side0.abs().min(side1.abs()) > 0.0015;
-                let within = along0.min(along1) > near_rim && along0.max(along1) < far;
-                if swept && within {
-                    if touch {
-                        moved.push(index);
-                        break;
-                    }
-                    if seen.alive && seen.sensor.is_some_and(|other| other != sensor) {
-                        self.missed.push(sensor);
-                    }
-                    seen.alive = false;
-                }
-            }
-        }
-        for index in moved {
-            self.move_along_rim(index);
-        }
-    }
-
     /// The robot, at `pose`, goes no farther into a gap: what it saw beyond keeps it off, but is no part
     /// of the floor's outline. From the other side of the gap the same may be seen again, and an
     /// outline through both would cross itself.
@@ -395,35 +295,6 @@ mod tests {
     use crate::robot::Odometer;
 
     #[test]
-    fn a_touch_that_the_body_came_over_was_elsewhere() {
-        let mut wall = Wall::new(&Chassis::default());
-        let touch = wall.touch(Pose::new(0.0, 0.0, 0.0), 0.0, 0);
-        wall.carve(Pose::new(-0.03, 0.0, 0.0), SwitchSet::EMPTY, 0.03);
-        assert_eq!(wall.log()[0].point, touch.point);
-        // On past the place a little to the left, where the body covers it; no beam says anything.
-        let closed = (0..8).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
-        wall.carve(Pose::new(-0.03, 0.0, 0.9), closed, 0.03);
-        let there = Pose::new(0.08, 0.04, 0.9);
-        for _ in 0..7 {
-            wall.carve(there, closed, 0.16);
-        }
-        let moved = wall.log()[0];
-        assert!(!moved.alive || (moved.point - there.position).norm() > 0.06, "{moved:?}");
-    }
-
-    /// The robot touches something and then turns on the spot by `angle`, all switches open.
-    fn turned_after_a_touch(angle: f64) -> (Wall, Sighting) {
-        let mut wall = Wall::new(&Chassis::default());
-        let at = Pose::new(0.0, 0.0, 0.0);
-        let touch = wall.touch(at, 0.0, 0);
-        // Backing off brings the place of the touch within the beams.
-        let back = Pose::new(-0.03, 0.0, 0.0);
-        wall.carve(back, SwitchSet::EMPTY, 0.03);
-        wall.carve(Pose::new(-0.03, 0.0, angle), SwitchSet::EMPTY, 0.03);
-        (wall, touch)
-    }
-
-    #[test]
     fn a_switch_that_opens_a_long_step_after_the_last_contacts_tells_where_the_wall_ends() {
         let chassis = Chassis::default();
         let left = chassis.sensor_towards(angle::FRAC_PI_2, 0.1).expect("a switch on the left");
@@ -439,31 +310,5 @@ mod tests {
         let seen = wall.observe(&edge(false), pose, Turning::No, 0.55);
         assert_eq!(seen.kind, ContactKind::Edge);
         assert!((seen.point - Point::new(0.55, 0.16)).norm() < 1e-9, "{}", seen.point);
-    }
-
-    #[test]
-    fn a_touch_is_taken_to_be_ahead() {
-        let (wall, touch) = turned_after_a_touch(0.0);
-        assert!((touch.point - Point::new(0.1, 0.0)).norm() < 1e-12);
-        assert_eq!(wall.near().next(), Some(&touch));
-    }
-
-    #[test]
-    fn a_touch_that_a_beam_passes_was_elsewhere_on_the_rim() {
-        let (wall, touch) = turned_after_a_touch(-1.0);
-        let moved = wall.near().next().expect("still a touch");
-        assert_ne!(moved.point, touch.point);
-        assert!((moved.point.coords.norm() - 0.1).abs() < 1e-9, "not on the rim: {moved:?}");
-        assert_eq!(moved.kind, ContactKind::Touch);
-    }
-
-    #[test]
-    fn a_touch_that_was_nowhere_on_the_rim_is_forgotten() {
-        let (mut wall, _) = turned_after_a_touch(0.0);
-        for turn in 1..=24 {
-            let heading = f64::from(turn) * 0.5;
-            wall.carve(Pose::new(-0.03, 0.0, heading), SwitchSet::EMPTY, 0.03);
-        }
-        assert_eq!(wall.near().count(), 0);
     }
 }

@@ -75,7 +75,7 @@ pub fn islands(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> (Ring,
         cuts += 1;
         // What is thinner than that is a corner that was touched unevenly, and nothing standing there.
         if 2.0 * island.area().abs() > THINNEST * island.perimeter() {
-            found.push(island);
+            found.extend(apart(island, contacts, chassis));
         }
     }
     (outline, found)
@@ -335,6 +335,20 @@ mod tests {
             islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], &Chassis::default());
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.15).abs() < 0.01, "{}", found[0].area());
+        assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
+    }
+
+    #[test]
+    fn of_two_boxes_in_a_row_behind_gaps_each_is_cut_off() {
+        let first = [(1.74, 0.54), (2.0, 0.8)];
+        let second = [(2.0, 1.08), (1.74, 1.36), (2.02, 1.64), (2.3, 1.36), (2.04, 1.08)];
+        let row: Vec<(f64, f64)> =
+            first.into_iter().chain(second).chain([(2.04, 0.8), (2.3, 0.54)]).collect();
+        let (rest, found) = islands(joined(&row, 0.28), &[contact(1.0, 0.0)], &Chassis::default());
+        assert_eq!(found.len(), 2);
+        for ring in found {
+            assert!((ring.area() - 0.157).abs() < 0.01, "{}", ring.area());
+        }
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
     }
 

@@ -82,8 +82,12 @@ pub enum EventKind {
         /// Why.
         why: Failure,
     },
-    /// It closed in a pocket, which the robot came into by a gap that it would not enter along a wall.
-    Pocket,
+    /// A lap closed in a pocket, which the robot came into by a gap that it would not enter along a
+    /// wall.
+    Pocket {
+        /// Length, metres.
+        length: f64,
+    },
     /// The operator wants so many laps.
     LapsWanted {
         /// How many in all.

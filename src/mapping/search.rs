@@ -186,17 +186,18 @@ impl Search {
                         return Next::Go(ask);
                     }
                     Leg::Closed(closure, overlap) => {
-                        self.laps += 1;
                         let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
-                        tell.push(EventKind::LapClosed { length, extrinsic });
                         self.wall = circuit.wall;
                         self.unwind(closure.drift, tracker, map);
-                        if !extrinsic {
-                            let Some(retreat) = self.pocket(tracker, &closure, tell) else {
-                                return Next::Found(closure, overlap);
-                            };
+                        if !extrinsic && let Some(retreat) = self.way_out(tracker, &closure) {
+                            tell.push(EventKind::Pocket { length });
                             self.doing = Doing::Leaving(retreat);
                             continue;
+                        }
+                        self.laps += 1;
+                        tell.push(EventKind::LapClosed { length, extrinsic });
+                        if !extrinsic {
+                            return Next::Found(closure, overlap);
                         }
                         self.record(tracker, &closure, &overlap, map, tell);
                         self.earlier.push((closure, self.wall.clone()));
@@ -212,19 +213,12 @@ impl Search {
     }
 
     /// The way out of the pocket that a lap closed in, if it was one.
-    fn pocket(
-        &mut self,
-        tracker: &Tracker,
-        closure: &Closure,
-        tell: &mut Vec<EventKind>,
-    ) -> Option<Retreat> {
+    fn way_out(&mut self, tracker: &Tracker, closure: &Closure) -> Option<Retreat> {
         if self.pockets == MOST_POCKETS {
             return None;
         }
         let retreat = Retreat::from_pocket(tracker.path(), self.line_begun_us, closure)?;
         self.pockets += 1;
-        self.laps -= 1;
-        tell.push(EventKind::Pocket);
         Some(retreat)
     }
 

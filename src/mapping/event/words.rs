@@ -135,8 +135,9 @@ fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
 /// What became of a lap.
 fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
-        EventKind::Pocket => f.write_str(
-            "that was a pocket behind a gap too narrow to pass: back out by the way it came",
+        EventKind::Pocket { length } => write!(
+            f,
+            "lap closed after {length:.2} m: a pocket behind a narrow gap, not the room; back out"
         ),
         EventKind::LapsWanted { laps } => {
             write!(f, "{laps} laps in all, as soon as one has closed")
@@ -269,7 +270,7 @@ impl fmt::Display for EventKind {
             ),
             Self::Unreached { .. } | Self::Untouched { .. } => out_of_reach(f, self),
             Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
-            Self::Pocket
+            Self::Pocket { .. }
             | Self::LapsWanted { .. }
             | Self::LapAgain { .. }
             | Self::LapAveraged { .. }
@@ -330,7 +331,7 @@ impl EventKind {
             }
             Self::LapFailed { .. }
             | Self::LapCut { .. }
-            | Self::Pocket
+            | Self::Pocket { .. }
             | Self::ContactLost
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }

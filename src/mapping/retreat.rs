@@ -26,6 +26,8 @@ pub(super) struct Retreat {
     way: Vec<Point>,
     /// Why, for the operator.
     why: &'static str,
+    /// A motion of it was asked for: what ended the one before says nothing of the way.
+    begun: bool,
 }
 
 impl Retreat {
@@ -49,7 +51,7 @@ impl Retreat {
         }
         let mut way = straightened(between(begun_us, from));
         way.extend(straightened(between(to, u64::MAX)));
-        Some(Self { way, why: "went round a pocket: back by the way it came" })
+        Some(Self { way, why: "went round a pocket: back by the way it came", begun: false })
     }
 
     /// The way back by `path` to the last place that `is_free`; none when the robot came by none, or was
@@ -58,12 +60,13 @@ impl Retreat {
         let begun = path.iter().rposition(|point| point.carried).unwrap_or(0);
         let since = path[begun..].iter().rposition(|point| is_free(point.pose.position))?;
         let way = straightened(path[begun + since..].iter().map(|point| point.pose.position));
-        Some(Self { way, why: "shut in by what is mapped: back by the way it came" })
+        Some(Self { way, why: "shut in by what is mapped: back by the way it came", begun: false })
     }
 
     /// The next motion on the way back; none when it is at its end, or something is in the way.
     pub(super) fn next(&mut self, rest: &AtRest) -> Option<Ask> {
-        if matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
+        let begun = std::mem::replace(&mut self.begun, true);
+        if begun && matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
             return None;
         }
         let pose = rest.pose;
@@ -127,7 +130,8 @@ mod tests {
             AtRest { pose, closed: SwitchSet::EMPTY, reason }
         };
         let ask = |back: &mut Retreat, rest| back.next(&rest).map(|ask| ask.motion);
-        let turned = ask(&mut back, rest(2.0, 0.0, DoneReason::Complete));
+        // A bump before it says nothing of the way back.
+        let turned = ask(&mut back, rest(2.0, 0.0, DoneReason::Bumper));
         assert!(matches!(turned, Some(Motion::Turn { .. })), "{turned:?}");
         let moved = ask(&mut back, rest(2.0, angle::PI, DoneReason::Complete));
         assert!(matches!(moved, Some(Motion::Move { distance, .. }) if distance == STRIDE));

@@ -7,6 +7,7 @@ mod frontier;
 pub use frontier::Frontier;
 
 use super::follow::Side;
+use super::lay::Seen;
 use crate::geometry::{Point, Pose, angle};
 
 /// What one beam swept over, open all the while, as the robot turned on the spot.
@@ -75,17 +76,18 @@ impl Rolling {
     #[must_use]
     pub fn direction(
         &self,
-        contacts: &[Point],
+        contacts: &[Seen],
         pose: Pose,
         step: f64,
         ended: bool,
         swept: Option<&Sweep>,
     ) -> Option<Direction> {
-        let Some(chain) = self.chain(contacts, pose.position) else {
+        let points: Vec<Point> = contacts.iter().map(|seen| seen.at).collect();
+        let Some(chain) = self.chain(&points, pose.position) else {
             return Some(Direction { heading: pose.heading, step, frontier: None });
         };
         let mut frontier = Frontier::of(contacts, chain[chain.len() - 1], pose, self.side);
-        let mut obstacles = contacts.to_vec();
+        let mut obstacles = points.clone();
         let step = if ended { step } else { step.min(frontier.longest_chord(self)) };
         if !ended {
             let count = ((step + self.radius).min(frontier.extent) / 0.02) as i32;
@@ -100,7 +102,7 @@ impl Rolling {
             .first_free(&obstacles, pose.position, toward, step, self.radius, dip)
             .or_else(|| self.first_free(&obstacles, pose.position, toward, step, self.least, 0.0))
             .or_else(|| {
-                self.first_free(contacts, pose.position, toward, step / 3.0, self.least, 0.0)
+                self.first_free(&points, pose.position, toward, step / 3.0, self.least, 0.0)
             })?;
         Some(Direction { heading, step, frontier: Some(frontier) })
     }

@@ -42,6 +42,11 @@ pub enum Leg {
 const BEGINNING: f64 = 1.2;
 /// No lap is shorter, metres.
 const SHORTEST_LAP: f64 = 0.5;
+/// A lap round the outside of something encloses at least this share of the body's area, since the body
+/// itself goes all round it, ...
+const ROUND_SOMETHING: f64 = 0.8;
+/// ... and one along the inside at least this, square metres.
+const WITHIN: f64 = 0.004;
 /// A round from a later place is at least this share of all that was driven since the beginning.
 const ROUND_AT_LEAST: f64 = 0.3;
 /// Rounds of one lap are alike in length to this share.
@@ -216,8 +221,8 @@ impl Circuit {
         self.previous = Some(here);
     }
 
-    /// +1 when the path since `anchor` runs counter-clockwise round what it encloses, else -1.
-    fn sense(&self, anchor: &Anchor) -> f64 {
+    /// What the path since `anchor` encloses, square metres; positive when it runs counter-clockwise.
+    fn enclosed(&self, anchor: &Anchor) -> f64 {
         let since = self.trail.partition_point(|place| place.travelled < anchor.travelled);
         let path: Vec<&Anchor> = self.trail[since..]
             .iter()
@@ -230,7 +235,16 @@ impl Circuit {
                 cross(a - origin, b - origin)
             })
             .sum();
-        if doubled < 0.0 { -1.0 } else { 1.0 }
+        doubled / 2.0
+    }
+
+    /// Whether a path that encloses so much went round something: to and fro in one place, turning
+    /// all the way each time, looks like a lap too.
+    fn went_round(&self, enclosed: f64) -> bool {
+        let outside = enclosed * self.side().sign() > 0.0;
+        let body = self.follower.body();
+        let least = if outside { ROUND_SOMETHING * angle::PI * body * body } else { WITHIN };
+        enclosed.abs() > least
     }
 
     fn after_step(&mut self, tracker: &Tracker) {
@@ -271,7 +285,11 @@ impl Circuit {
             travelled: before.travelled + (now.travelled - before.travelled) * share,
             time_us: now.time_us,
         };
-        let (wound, sense) = ((from, to), self.sense(&from));
+        let enclosed = self.enclosed(&from);
+        if !self.went_round(enclosed) {
+            return;
+        }
+        let (wound, sense) = ((from, to), enclosed.signum());
         self.candidates.push(Candidate { wound, sense, rate, seconds, overlap: self.overlap });
     }
 

@@ -15,8 +15,9 @@ mod held;
 mod roles;
 
 use super::ahead::{Frontier, Rolling, Sweep};
+use super::lay::Seen;
 use super::map::ContactKind;
-use super::wall::Wall;
+use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, Vector, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use held::Held;
@@ -337,10 +338,10 @@ impl Follower {
 
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         let mut step = if self.ended { ROUND_CORNER } else { self.stride };
-        let contacts: Vec<Point> = wall.near().map(|seen| seen.point).collect();
-        let sure = || -> Vec<Point> {
+        let contacts: Vec<Seen> = wall.near().map(Sighting::seen).collect();
+        let sure = || -> Vec<Seen> {
             let range = wall.near().filter(|seen| seen.kind == ContactKind::Range);
-            range.map(|seen| seen.point).collect()
+            range.map(Sighting::seen).collect()
         };
         let swept = self.swept.as_ref();
         // Where a touch was is a guess: it must not hold the robot on all sides.
@@ -401,6 +402,12 @@ impl Follower {
             },
             why: if self.ended { "a step round the corner" } else { "a step along the wall" },
         }
+    }
+
+    /// Radius of the body, metres.
+    #[must_use]
+    pub fn body(&self) -> f64 {
+        self.body
     }
 
     /// The gap at which the wall is followed, metres from the body.

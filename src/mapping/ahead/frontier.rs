@@ -5,6 +5,7 @@ use super::Rolling;
 use crate::geometry::fit::Moments;
 use crate::geometry::{Point, Pose, Vector, cross, perp, rotate};
 use crate::mapping::follow::Side;
+use crate::mapping::lay::Seen;
 use crate::mapping::wall::Stretch;
 
 /// The last contact along the wall, and how the wall runs there.
@@ -58,13 +59,18 @@ impl Frontier {
     /// How the wall runs at its last contact `at`, the robot at `pose` with the wall on `side`: the
     /// longest run of the contacts that came before it, newest first. In the order of time a wall is
     /// one run, whatever stands behind.
-    pub(super) fn of(contacts: &[Point], at: Point, pose: Pose, side: Side) -> Self {
-        let newest = contacts.iter().rposition(|p| *p == at).unwrap_or(0);
-        let before = &contacts[..newest];
+    pub(super) fn of(contacts: &[Seen], at: Point, pose: Pose, side: Side) -> Self {
+        let newest = contacts.iter().rposition(|seen| seen.at == at).unwrap_or(0);
+        let before: Vec<Point> = contacts[..newest].iter().map(|seen| seen.at).collect();
+        let before = before.as_slice();
         let away = at - pose.position;
         // Looked at by the robot, a wall on the left goes on to the right.
         let onward = |along: Vector| -side.sign() * cross(away, along) >= 0.0;
-        let straight = straight_run(before, at);
+        // Round a small thing the last contact may be one of the first, seen from its far side, and the
+        // run that ended there a face that the robot is behind now.
+        let towards = contacts.get(newest).map_or(-away, |seen| seen.towards);
+        let faces = |run: &Stretch| cross(run.along, towards) * cross(run.along, away) < 0.0;
+        let straight = straight_run(before, at).filter(|(run, _)| faces(run));
         let spread = straight.map_or(0.0, |(_, spread)| spread);
         let round = round_run(before, at, spread).map(|(center, radius, spread)| {
             let sense = if onward(perp(at - center)) { 1.0 } else { -1.0 };
@@ -189,6 +195,11 @@ mod tests {
 
     const DISC: Rolling = Rolling { side: Side::Left, radius: 0.145, least: 0.112, slack: 0.012 };
 
+    /// The contacts as they are seen from `from`.
+    fn seen(contacts: &[Point], from: Point) -> Vec<Seen> {
+        contacts.iter().map(|&at| Seen { at, towards: from - at }).collect()
+    }
+
     /// Contacts every 4 cm on a circle of 1.6 m about the origin, gone along with the sense of `sense`.
     fn round(sense: f64) -> Vec<Point> {
         (0..12).map(|k| Point::from(angle::unit(sense * f64::from(k) * 0.025) * 1.6)).collect()
@@ -200,7 +211,7 @@ mod tests {
         let contacts = round(-1.0);
         let at = contacts[11];
         let inside = Pose { position: at - at.coords * 0.09, heading: -1.8 };
-        let frontier = Frontier::of(&contacts, at, inside, Side::Left);
+        let frontier = Frontier::of(&seen(&contacts, inside.position), at, inside, Side::Left);
         assert!(frontier.certain);
         let ahead = frontier.beyond(0.3);
         assert!((ahead.coords.norm() - 1.6).abs() < 1e-6, "{ahead}");
@@ -216,7 +227,7 @@ mod tests {
         let contacts = round(1.0);
         let at = contacts[11];
         let outside = Pose { position: at + at.coords * 0.09, heading: 1.8 };
-        let frontier = Frontier::of(&contacts, at, outside, Side::Left);
+        let frontier = Frontier::of(&seen(&contacts, outside.position), at, outside, Side::Left);
         let tangent = frontier.longest_chord(&DISC);
         let centre = 1.6 + DISC.radius;
         let off = (centre * centre + tangent * tangent).sqrt() - centre;
@@ -227,7 +238,7 @@ mod tests {
     fn a_straight_wall_and_a_corner_are_not_round() {
         let straight: Vec<Point> = (0..12).map(|k| Point::new(f64::from(k) * 0.05, 0.0)).collect();
         let pose = Pose::new(0.5, -0.145, 0.0);
-        let frontier = Frontier::of(&straight, straight[11], pose, Side::Left);
+        let frontier = Frontier::of(&seen(&straight, pose.position), straight[11], pose, Side::Left);
         assert!((frontier.beyond(0.4) - Point::new(0.95, 0.0)).norm() < 1e-9);
         assert!(frontier.longest_chord(&DISC).is_infinite());
         // Down one wall and along the next: the next is straight on.
@@ -236,7 +247,7 @@ mod tests {
         corner.extend((1..5).map(|k| Point::new(f64::from(k) * -0.05, 0.0)));
         let at = *corner.last().unwrap_or(&Point::origin());
         let pose = Pose::new(-0.2, 0.145, angle::PI);
-        let frontier = Frontier::of(&corner, at, pose, Side::Left);
+        let frontier = Frontier::of(&seen(&corner, pose.position), at, pose, Side::Left);
         assert!((frontier.beyond(0.1) - Point::new(-0.3, 0.0)).norm() < 1e-9, "{frontier:?}");
     }
 
@@ -246,8 +257,22 @@ mod tests {
         let contacts = [(4.85, 0.0), (4.93, 0.0), (5.0, 0.2), (5.0, 0.07), (4.77, 0.0)]
             .map(|(x, y)| Point::new(x, y));
         let pose = Pose::new(4.85, 0.145, -2.3);
-        let frontier = Frontier::of(&contacts, contacts[4], pose, Side::Left);
+        let frontier = Frontier::of(&seen(&contacts, pose.position), contacts[4], pose, Side::Left);
         assert!(frontier.certain);
         assert!((frontier.beyond(0.1) - Point::new(4.67, 0.0)).norm() < 1e-6, "{frontier:?}");
+    }
+
+    #[test]
+    fn the_far_face_of_a_small_thing_does_not_tell_how_the_near_one_runs() {
+        // The first contacts of a lap round a box of 10 cm, wall on the right: its far side, from there.
+        let far = [(0.095, 0.0), (0.1, 0.03), (0.06, 0.1)].map(|(x, y)| Point::new(x, y));
+        let mut contacts = seen(&far, Point::new(0.25, 0.1));
+        // The robot has come round to the near side; the last of what is ahead is the first it saw.
+        let pose = Pose::new(-0.12, 0.12, 0.6);
+        let frontier = Frontier::of(&contacts, far[2], pose, Side::Right);
+        assert!(!frontier.certain, "{frontier:?}");
+        // Seen from here they would be a wall.
+        contacts = seen(&far, pose.position);
+        assert!(Frontier::of(&contacts, far[2], pose, Side::Right).certain);
     }
 }

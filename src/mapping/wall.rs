@@ -13,6 +13,7 @@ mod stretch;
 pub use sighting::{Sighting, Turning};
 pub use stretch::Stretch;
 
+use self::carve::Trail;
 use super::drift::Unwound;
 use super::map::{Contact, ContactKind};
 use crate::geometry::{Point, Pose, Vector, angle, cross};
@@ -53,6 +54,7 @@ pub struct Wall {
     log: Vec<Sighting>,
     near: Vec<usize>,
     last_pose: Option<Pose>,
+    trail: Trail,
     /// Switches that were open where another had seen something.
     missed: Vec<usize>,
 }
@@ -70,6 +72,7 @@ impl Wall {
             log: Vec::new(),
             near: Vec::new(),
             last_pose: None,
+            trail: Trail::default(),
             missed: Vec::new(),
         }
     }
@@ -103,6 +106,7 @@ impl Wall {
         for seen in &mut self.log {
             *seen = seen.unwound(unwound);
         }
+        self.trail.clear();
         if let (Some(pose), Some(last)) = (&mut self.last_pose, unwound.path().last()) {
             *pose = unwound.pose(*pose, last.time_us);
         }
@@ -112,6 +116,7 @@ impl Wall {
     pub fn clear(&mut self) {
         self.log.clear();
         self.near.clear();
+        self.trail.clear();
     }
 
     /// The living sightings near the robot, oldest first.

@@ -238,7 +238,8 @@ mod tests {
     fn a_straight_wall_and_a_corner_are_not_round() {
         let straight: Vec<Point> = (0..12).map(|k| Point::new(f64::from(k) * 0.05, 0.0)).collect();
         let pose = Pose::new(0.5, -0.145, 0.0);
-        let frontier = Frontier::of(&seen(&straight, pose.position), straight[11], pose, Side::Left);
+        let frontier =
+            Frontier::of(&seen(&straight, pose.position), straight[11], pose, Side::Left);
         assert!((frontier.beyond(0.4) - Point::new(0.95, 0.0)).norm() < 1e-9);
         assert!(frontier.longest_chord(&DISC).is_infinite());
         // Down one wall and along the next: the next is straight on.

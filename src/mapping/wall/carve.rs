@@ -8,15 +8,44 @@ use crate::robot::SwitchSet;
 
 /// Where on the rim a touch may have been, in the order in which it is believed, as bearings towards
 /// the side on which something was seen last, radians.
-const RIM: [f64; 7] = [0.0, 0.39, 0.79, 1.18, -0.39, -0.79, -1.18];
+const RIM: [f64; 9] = [0.0, 0.39, 0.79, 1.18, -0.39, -0.79, -1.18, 1.5, -1.5];
 /// A touch that the body has come over by more than this was elsewhere, metres. So much a bumper gives.
 const UNDER: f64 = 0.04;
+
+/// Places where the body has been are kept this far apart, metres.
+const TRAIL: f64 = 0.02;
+
+/// Where the body has been of late.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Trail {
+    /// Centre, and odometer then, metres driven.
+    places: Vec<(Point, f64)>,
+}
+
+impl Trail {
+    fn push(&mut self, place: Point, travelled: f64) {
+        if self.places.last().is_none_or(|(last, _)| (place - last).norm() > TRAIL) {
+            self.places.retain(|(_, then)| travelled - then < MEMORY);
+            self.places.push((place, travelled));
+        }
+    }
+
+    /// Whether the body came over `p`, farther than a bumper gives.
+    fn covers(&self, p: Point, radius: f64) -> bool {
+        self.places.iter().any(|(place, _)| radius - (p - place).norm() > UNDER)
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.places.clear();
+    }
+}
 
 impl Wall {
     /// The robot moved to `pose` with the switches in `closed` all the while: what an open beam or
     /// the body passed through is not there.
     pub fn carve(&mut self, pose: Pose, closed: SwitchSet, travelled: f64) {
         let from = self.last_pose.replace(pose).unwrap_or(pose);
+        self.trail.push(pose.position, travelled);
         self.near.retain(|&index| {
             let seen = &self.log[index];
             seen.alive
@@ -98,13 +127,15 @@ impl Wall {
             angle::wrap(bearing).signum()
         });
         let touch = &mut self.log[index];
-        touch.ruled_out += 1;
-        if let Some(bearing) = RIM.get(usize::from(touch.ruled_out)) {
+        for bearing in &RIM[usize::from(touch.ruled_out).min(RIM.len() - 1) + 1..] {
+            touch.ruled_out += 1;
             touch.beam = touch.pose.heading + side * bearing;
             touch.point = touch.pose.position + angle::unit(touch.beam) * self.radius;
-        } else {
-            touch.alive = false;
+            if !self.trail.covers(touch.point, self.radius) {
+                return;
+            }
         }
+        touch.alive = false;
     }
 }
 
@@ -141,6 +172,21 @@ mod tests {
         }
         let moved = wall.log()[0];
         assert!(!moved.alive || (moved.point - there.position).norm() > 0.06, "{moved:?}");
+    }
+
+    #[test]
+    fn a_touch_is_moved_to_no_place_that_the_body_has_been_at_since() {
+        let mut wall = Wall::new(&Chassis::default());
+        wall.touch(Pose::new(0.0, 0.0, 0.0), 0.0, 0);
+        let closed = (0..8).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
+        // All round to the left of it first, where the touch is not believed to be yet.
+        for (x, y, travelled) in [(-0.1, 0.0, 0.1), (0.0, 0.1, 0.25), (0.07, 0.12, 0.33)] {
+            wall.carve(Pose::new(x, y, 1.5), closed, travelled);
+        }
+        // Then over the place ahead.
+        wall.carve(Pose::new(0.12, 0.01, -1.5), closed, 0.45);
+        let moved = wall.log()[0];
+        assert!(!moved.alive || moved.point.y < 0.0, "{moved:?}");
     }
 
     #[test]

@@ -86,6 +86,8 @@ pub struct Tour {
     chart: Chart,
     doing: Doing,
     queue: VecDeque<(u32, bool)>,
+    /// The line that was left to go round something, to be gone on with.
+    suspended: Option<Box<Drive>>,
     total: f64,
     driven: f64,
     wall: Wall,
@@ -129,6 +131,7 @@ impl Tour {
             doing: Doing::Choosing,
             total: queue.iter().map(|(id, _)| length(*id)).sum(),
             queue,
+            suspended: None,
             driven: 0.0,
             wall: Wall::new(&settings.chassis),
             covered: 0,
@@ -329,6 +332,9 @@ impl Tour {
             return Some(drive);
         }
         self.begun = true;
+        if let Some(drive) = self.suspended.take() {
+            return Some(*drive);
+        }
         while let Some((id, backwards)) = self.queue.pop_front() {
             let line = scene.map.plan.as_mut()?.lines.iter_mut().find(|line| line.id == id)?;
             let Some((a, b)) = line.drive else {

@@ -14,6 +14,9 @@ use crate::robot::{Guard, Motion};
 
 /// A position less sure than this (one standard deviation, metres) is worth a stop.
 const LOOSE: f64 = 0.025;
+/// ... and in the middle of a line, one less sure than this: rounds of what stands on it may have taken
+/// long.
+const LOOSE_ON_LINE: f64 = 0.05;
 /// The body stays this far from either wall, metres: within the range of every switch.
 const GAP: f64 = 0.04;
 /// Shorter walls are not trusted with it, metres.
@@ -104,7 +107,7 @@ impl Tour {
             return None;
         }
         let sd = scene.survey.looseness(scene.tracker.pose().position);
-        if sd < LOOSE {
+        if sd < if self.suspended.is_some() { LOOSE_ON_LINE } else { LOOSE } {
             return None;
         }
         let radius = self.chassis.radius;

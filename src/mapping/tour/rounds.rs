@@ -1,7 +1,7 @@
 //! Going round what a line meets: one full round at first contact, or past it on one side and on
 //! the way back on the other (paper III.F).
 
-use super::drive::Drive;
+use super::drive::{Drive, Purpose};
 use super::no_passage::Reversed;
 use super::{Doing, MOST_LEFT_OPEN, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
@@ -178,11 +178,17 @@ impl Tour {
         }
     }
 
+    /// On with what was left to go round something; with a line after bearings, where they are called for.
     pub(super) fn resume(&mut self, mut drive: Box<Drive>) {
         self.floor = None;
         self.wall.clear();
         drive.way.clear();
-        self.doing = Doing::Driving(drive);
+        self.doing = if drive.purpose == Purpose::Line {
+            self.suspended = Some(drive);
+            Doing::Choosing
+        } else {
+            Doing::Driving(drive)
+        };
     }
 
     /// What was seen of the object on this line when it was driven the other way.

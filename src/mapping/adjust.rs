@@ -15,25 +15,41 @@ use super::wall::{Sighting, Stretch, Wall};
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
 
+/// Two rounds of one wall differ in length by no more than this share.
+const STRETCHED: f64 = 0.1;
+
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
 /// overlap: the contacts after `closure.to` laid on the walls after `closure.from` (iterated closest
 /// points, point to line). What the overlap leaves open (a straight wall says nothing of the way
 /// along it, an arc nothing of a turn about its centre) is left to what `traverse` expects.
 #[must_use]
 pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -> Overlap {
+    measure_beyond(closure, sightings, traverse, 0.0, None)
+}
+
+/// The same for what lies more than `beyond` metres after the end of the lap alone, which is laid near
+/// `led` (dx, dy, heading) too, if that is given.
+#[must_use]
+pub fn measure_beyond(
+    closure: &Closure,
+    sightings: &[Sighting],
+    traverse: &Traverse,
+    beyond: f64,
+    led: Option<Vector3<f64>>,
+) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
     let since = |s: &Sighting| s.travelled - closure.from.travelled;
     let early: Vec<Seen> = sightings
         .iter()
         .filter(range)
-        .filter(|s| (-0.3..overlap + 0.5).contains(&since(s)))
+        .filter(|s| (beyond - 0.3 - beyond * STRETCHED..overlap + 0.5).contains(&since(s)))
         .map(Sighting::seen)
         .collect();
     let late: Vec<Seen> = sightings
         .iter()
         .filter(range)
-        .filter(|s| s.travelled > closure.to.travelled)
+        .filter(|s| s.travelled > closure.to.travelled + beyond)
         .map(Sighting::seen)
         .collect();
     let lap = closure.length();
@@ -43,7 +59,9 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
-    let starts = [Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
+    let mut starts =
+        vec![Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
+    starts.extend(led);
     let mut laid = lay(&early, &late, centre, (prior, expected), &starts);
     laid.misclosure.lap = lap;
     laid

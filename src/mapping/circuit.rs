@@ -15,16 +15,18 @@ mod crossing;
 
 pub use closure::{Anchor, Closure, Pocket};
 
-use super::adjust::{Traverse, measure};
+use super::adjust::{Traverse, measure_beyond};
 use super::drift::{Drifts, Unwound};
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
 use super::lay::Overlap;
+use super::map::Misclosure;
 use super::odometry::Tracker;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use crate::robot::Chassis;
 use crossing::{Crossing, best};
+use nalgebra::Vector3;
 use std::borrow::Cow;
 
 /// What comes next on a lap.
@@ -70,8 +72,10 @@ const HEADING_ENOUGH: f64 = 0.003;
 /// corners tell the place from others like it, known to this.
 const MOST_OVERLAP: f64 = 4.0;
 const MOST_FREE_OVERLAP: f64 = 25.0;
-/// ... and this share of the lap has to be driven again: mazes look alike for long.
+/// ... and this share of the lap has to be driven again: mazes look alike for long. Meanwhile the gyro
+/// drifts on, so that no more than this of it, metres, is laid on the beginning as one.
 const FREE_OVERLAP: f64 = 0.1;
+const AS_ONE: f64 = 6.0;
 const FREE_POSITION: f64 = 0.02;
 /// Crossings that are looked into at the same time, and headings nearer to each other than this are
 /// of one.
@@ -80,6 +84,11 @@ const ANOTHER: f64 = 0.05;
 /// A lap that ends turned by more than this is looked at without that drift, radians: least squares
 /// takes small angles only.
 const SMALL: f64 = 0.02;
+
+/// How far the robot drives beyond the end of a `lap` (metres) that it found without a drift, metres.
+fn free_overlap(lap: f64) -> f64 {
+    (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
+}
 
 /// A crossing that may be the end of the lap, until the overlap has told.
 #[derive(Debug, Clone)]
@@ -93,6 +102,18 @@ struct Candidate {
     seconds: f64,
     /// Metres to drive beyond it before it is looked at.
     overlap: f64,
+    /// What was measured there, as soon as that said where it is; what follows has to lie on the
+    /// beginning too.
+    held: Option<Box<Held>>,
+}
+
+/// A candidate that is sure of its place, but not yet that no other looks like it.
+#[derive(Debug, Clone)]
+struct Held {
+    closure: Closure,
+    overlap: Overlap,
+    /// By how much what was driven last lay off the beginning.
+    led: Vector3<f64>,
 }
 
 /// What looking at a candidate says.
@@ -290,7 +311,14 @@ impl Circuit {
             return;
         }
         let (wound, sense) = ((from, to), enclosed.signum());
-        self.candidates.push(Candidate { wound, sense, rate, seconds, overlap: self.overlap });
+        self.candidates.push(Candidate {
+            wound,
+            sense,
+            rate,
+            seconds,
+            overlap: self.overlap,
+            held: None,
+        });
     }
 
     /// Lays what was driven since the crossing on the beginning.
@@ -302,6 +330,9 @@ impl Circuit {
             return Verdict::More;
         }
         let free = candidate.rate != 0.0;
+        if candidate.held.is_some() {
+            return self.look_on(index, driven, tracker);
+        }
         let (mut closure, mut overlap) = self.laid(candidate, candidate.rate, tracker);
         let lap = closure.length();
         let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
@@ -319,8 +350,8 @@ impl Circuit {
         if overlap.agreement < least || unlike {
             return Verdict::Another;
         }
-        let far = !free || driven > (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP);
-        if !(enough && far || all) {
+        let far = !free || driven > free_overlap(lap);
+        if !(enough || all) {
             self.candidates[index].overlap = driven + 0.2;
             return Verdict::More;
         }
@@ -329,8 +360,42 @@ impl Circuit {
             let rate = candidate.rate + left / candidate.seconds;
             (closure, overlap) = self.laid(candidate, rate, tracker);
         }
+        let Misclosure { dx, dy, heading, .. } = overlap.misclosure;
         overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
-        Verdict::Closed(closure, Box::new(overlap))
+        if far || all {
+            return Verdict::Closed(closure, Box::new(overlap));
+        }
+        let held = Held { closure, overlap, led: Vector3::new(dx, dy, heading) };
+        let candidate = &mut self.candidates[index];
+        candidate.rate = closure.drift;
+        candidate.overlap = driven + 0.2;
+        candidate.held = Some(Box::new(held));
+        Verdict::More
+    }
+
+    /// Whether what was driven since the candidate was sure of its place, piece by piece, lies on the
+    /// beginning as well, `driven` metres beyond the crossing by now.
+    fn look_on(&mut self, index: usize, driven: f64, tracker: &Tracker) -> Verdict {
+        let candidate = &self.candidates[index];
+        let Some(held) = &candidate.held else { return Verdict::More };
+        let (closure, beyond) = (held.closure, (driven - AS_ONE).max(0.0));
+        let (_, overlap) =
+            self.laid_beyond(candidate, candidate.rate, tracker, beyond, Some(held.led));
+        let far = driven > free_overlap(closure.length());
+        let candidate = &mut self.candidates[index];
+        candidate.overlap = driven + 0.2;
+        let Some(held) = &mut candidate.held else { return Verdict::More };
+        if overlap.known >= EVIDENCE {
+            if overlap.agreement < FREE_AGREEMENT || overlap.share < FREE_SHARE {
+                return Verdict::Another;
+            }
+            let Misclosure { dx, dy, heading, .. } = overlap.misclosure;
+            held.led = Vector3::new(dx, dy, heading);
+        }
+        if far {
+            return Verdict::Closed(held.closure, Box::new(held.overlap));
+        }
+        Verdict::More
     }
 
     /// Where the last round of a lap began, when it closed on a later round only: all along that and
@@ -368,6 +433,18 @@ impl Circuit {
 
     /// The lap without a drift of `rate`, and its end laid on its beginning.
     fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> (Closure, Overlap) {
+        self.laid_beyond(candidate, rate, tracker, 0.0, None)
+    }
+
+    /// The same for what lies more than `beyond` metres after the crossing alone, laid near `led` too.
+    fn laid_beyond(
+        &self,
+        candidate: &Candidate,
+        rate: f64,
+        tracker: &Tracker,
+        beyond: f64,
+        led: Option<Vector3<f64>>,
+    ) -> (Closure, Overlap) {
         let unwound = (rate != 0.0).then(|| Unwound::new(tracker.path(), rate));
         let (mut from, mut to) = candidate.wound;
         let mut seen: Cow<'_, [Sighting]> = Cow::Borrowed(self.wall.log());
@@ -384,7 +461,7 @@ impl Circuit {
         let pocket = self.pocket;
         let closure = Closure { from, to, side, drift: rate, last_round, pocket };
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
-        let overlap = measure(&closure, &seen, &traverse);
+        let overlap = measure_beyond(&closure, &seen, &traverse, beyond, led);
         (closure, overlap)
     }
 }

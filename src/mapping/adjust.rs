@@ -15,6 +15,13 @@ use super::wall::{Sighting, Stretch, Wall};
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
 
+/// An overlap that agrees less than this, by a length of no more metres, is looked at all along the wall, in
+/// steps of so many metres to either side.
+const DOUBTFUL: f64 = 0.9;
+const FEATURES: f64 = 7.0;
+const NOTCH: f64 = 0.05;
+const MOST_NOTCHES: i32 = 14;
+
 /// Two rounds of one wall differ in length by no more than this share.
 const STRETCHED: f64 = 0.1;
 
@@ -63,6 +70,24 @@ pub fn measure_beyond(
         vec![Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
     starts.extend(led);
     let mut laid = lay(&early, &late, centre, (prior, expected), &starts);
+    if laid.agreement < DOUBTFUL && overlap < FEATURES {
+        // A ragged wall holds on to the wrong notch: the others are tried, along the wall.
+        let along = closure.to.pose.direction();
+        let sd = prior.try_inverse().map_or(0.0, |spread| {
+            let position = spread.fixed_view::<2, 2>(0, 0).into_owned();
+            along.dot(&(position * along)).max(0.0).sqrt()
+        });
+        let most = ((2.0 * sd / NOTCH) as i32).min(MOST_NOTCHES);
+        let from = laid.misclosure;
+        let others: Vec<Vector3<f64>> = (-most..=most)
+            .map(|k| along * (f64::from(k) * NOTCH))
+            .map(|by| Vector3::new(from.dx + by.x, from.dy + by.y, from.heading))
+            .collect();
+        let other = lay(&early, &late, centre, (prior, expected), &others);
+        if other.agreement > laid.agreement {
+            laid = other;
+        }
+    }
     laid.misclosure.lap = lap;
     laid
 }

@@ -7,12 +7,12 @@
 
 use super::circuit::Closure;
 use super::lay::{Overlap, Seen, lay};
-use super::map::{Contact, ContactKind, PathPoint};
+use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch, Wall};
-use crate::geometry::{Point, Pose, Ring, angle, cross};
+use crate::geometry::{Point, Pose, Ring, angle, cross, rotate};
 use nalgebra::{Matrix3, Vector3};
 
 /// An overlap that agrees less than this, by a length of no more metres, is looked at all along the wall, in
@@ -22,41 +22,25 @@ const FEATURES: f64 = 7.0;
 const NOTCH: f64 = 0.05;
 const MOST_NOTCHES: i32 = 14;
 
-/// Two rounds of one wall differ in length by no more than this share.
-const STRETCHED: f64 = 0.1;
-
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
 /// overlap: the contacts after `closure.to` laid on the walls after `closure.from` (iterated closest
 /// points, point to line). What the overlap leaves open (a straight wall says nothing of the way
 /// along it, an arc nothing of a turn about its centre) is left to what `traverse` expects.
 #[must_use]
 pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -> Overlap {
-    measure_beyond(closure, sightings, traverse, 0.0, None)
-}
-
-/// The same for what lies more than `beyond` metres after the end of the lap alone, which is laid near
-/// `led` (dx, dy, heading) too, if that is given.
-#[must_use]
-pub fn measure_beyond(
-    closure: &Closure,
-    sightings: &[Sighting],
-    traverse: &Traverse,
-    beyond: f64,
-    led: Option<Vector3<f64>>,
-) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
     let since = |s: &Sighting| s.travelled - closure.from.travelled;
     let early: Vec<Seen> = sightings
         .iter()
         .filter(range)
-        .filter(|s| (beyond - 0.3 - beyond * STRETCHED..overlap + 0.5).contains(&since(s)))
+        .filter(|s| (-0.3..overlap + 0.5).contains(&since(s)))
         .map(Sighting::seen)
         .collect();
     let late: Vec<Seen> = sightings
         .iter()
         .filter(range)
-        .filter(|s| s.travelled > closure.to.travelled + beyond)
+        .filter(|s| s.travelled > closure.to.travelled)
         .map(Sighting::seen)
         .collect();
     let lap = closure.length();
@@ -66,9 +50,7 @@ pub fn measure_beyond(
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
-    let mut starts =
-        vec![Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
-    starts.extend(led);
+    let starts = [Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
     let mut laid = lay(&early, &late, centre, (prior, expected), &starts);
     if laid.agreement < DOUBTFUL && overlap < FEATURES {
         // A ragged wall holds on to the wrong notch: the others are tried, along the wall.
@@ -90,6 +72,60 @@ pub fn measure_beyond(
     }
     laid.misclosure.lap = lap;
     laid
+}
+
+/// Two rounds of one wall differ in length by no more than this share.
+const STRETCHED: f64 = 0.1;
+/// By how much a piece of an overlap may lie otherwise than the piece before, which it shares most of:
+/// metres and radians, one standard deviation.
+const ASTRAY: (f64, f64) = (0.03, 0.012);
+
+/// How a piece of an overlap lay on the beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Led {
+    /// What it turned about.
+    centre: Point,
+    /// By how much it was off: dx, dy, heading.
+    off: Vector3<f64>,
+}
+
+impl Led {
+    /// What `overlap`, which began at the end of `closure`, was off.
+    #[must_use]
+    pub fn by(closure: &Closure, overlap: &Overlap) -> Self {
+        let Misclosure { dx, dy, heading, .. } = overlap.misclosure;
+        Self { centre: closure.to.pose.position, off: Vector3::new(dx, dy, heading) }
+    }
+
+    /// The same, turning about `centre`.
+    fn about(self, centre: Point) -> Self {
+        let arm = centre - self.centre;
+        let moved = arm - rotate(arm, -self.off.z);
+        let off = Vector3::new(self.off.x + moved.x, self.off.y + moved.y, self.off.z);
+        Self { centre, off }
+    }
+}
+
+/// How what was driven more than `beyond` metres after the end of the lap lies on the beginning, about as
+/// the piece before, which `led` there; and how it leads on. A gyro drifts on in a long overlap, so that
+/// no more than a few metres of it lie there as one.
+#[must_use]
+pub fn lead_on(closure: &Closure, sightings: &[Sighting], beyond: f64, led: Led) -> (Overlap, Led) {
+    let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
+    let overlap = sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
+    let around = beyond * (1.0 - STRETCHED) - 0.3..overlap * (1.0 + STRETCHED) + 0.5;
+    let within = |s: &&Sighting| around.contains(&(s.travelled - closure.from.travelled));
+    let seen = sightings.iter().filter(range);
+    let early: Vec<Seen> = seen.clone().filter(within).map(Sighting::seen).collect();
+    let last = |s: &&Sighting| s.travelled > closure.to.travelled + beyond;
+    let late: Vec<Seen> = seen.filter(last).map(Sighting::seen).collect();
+    let centre = late.first().map_or(led.centre, |first| first.at);
+    let Led { off, .. } = led.about(centre);
+    let (way, turn) = (ASTRAY.0.powi(-2), ASTRAY.1.powi(-2));
+    let prior = Matrix3::from_diagonal(&Vector3::new(way, way, turn));
+    let laid = lay(&early, &late, centre, (prior, prior * off), &[off]);
+    let Misclosure { dx, dy, heading, .. } = laid.misclosure;
+    (laid, Led { centre, off: Vector3::new(dx, dy, heading) })
 }
 
 /// Knots of a lap at most.

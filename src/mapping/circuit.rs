@@ -15,18 +15,16 @@ mod crossing;
 
 pub use closure::{Anchor, Closure, Pocket};
 
-use super::adjust::{Traverse, measure_beyond};
+use super::adjust::{Led, Traverse, lead_on, measure};
 use super::drift::{Drifts, Unwound};
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
 use super::lay::Overlap;
-use super::map::Misclosure;
 use super::odometry::Tracker;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use crate::robot::Chassis;
 use crossing::{Crossing, best};
-use nalgebra::Vector3;
 use std::borrow::Cow;
 
 /// What comes next on a lap.
@@ -65,6 +63,8 @@ const FREE_AGREEMENT: f64 = 0.85;
 const FREE_SHARE: f64 = 0.6;
 /// Contacts of the overlap that must have something to lie on before that is judged.
 const EVIDENCE: usize = 4;
+/// ... and where there are none after so many metres, it is another place.
+const NOTHING_KNOWN: f64 = 5.0;
 /// The overlap is driven on until the misclosure is known to this (metres, radians), ...
 const POSITION_ENOUGH: f64 = 0.005;
 const HEADING_ENOUGH: f64 = 0.003;
@@ -75,11 +75,12 @@ const MOST_FREE_OVERLAP: f64 = 25.0;
 /// ... and this share of the lap has to be driven again: mazes look alike for long. Meanwhile the gyro
 /// drifts on, so that no more than this of it, metres, is laid on the beginning as one.
 const FREE_OVERLAP: f64 = 0.1;
-const AS_ONE: f64 = 6.0;
+const AS_ONE: f64 = 4.0;
+const AGREEMENT_BEYOND: f64 = 0.8;
 const FREE_POSITION: f64 = 0.02;
 /// Crossings that are looked into at the same time, and headings nearer to each other than this are
 /// of one.
-const MOST_CANDIDATES: usize = 4;
+const MOST_CANDIDATES: usize = 6;
 const ANOTHER: f64 = 0.05;
 /// A lap that ends turned by more than this is looked at without that drift, radians: least squares
 /// takes small angles only.
@@ -112,8 +113,8 @@ struct Candidate {
 struct Held {
     closure: Closure,
     overlap: Overlap,
-    /// By how much what was driven last lay off the beginning.
-    led: Vector3<f64>,
+    /// How what was driven last lay on the beginning.
+    led: Led,
 }
 
 /// What looking at a candidate says.
@@ -341,6 +342,9 @@ impl Circuit {
             if free { (FREE_AGREEMENT, FREE_POSITION) } else { (AGREEMENT, POSITION_ENOUGH) };
         let known = if free { overlap.alone } else { overlap.sd };
         let enough = known.0 < position && known.1 < HEADING_ENOUGH;
+        if overlap.known < EVIDENCE && driven > NOTHING_KNOWN {
+            return Verdict::Another;
+        }
         if overlap.known < EVIDENCE && !all {
             // On a straight wall contacts are far between: nothing is known yet, either way.
             self.candidates[index].overlap = driven + 0.2;
@@ -360,12 +364,12 @@ impl Circuit {
             let rate = candidate.rate + left / candidate.seconds;
             (closure, overlap) = self.laid(candidate, rate, tracker);
         }
-        let Misclosure { dx, dy, heading, .. } = overlap.misclosure;
+        let led = Led::by(&closure, &overlap);
         overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
         if far || all {
             return Verdict::Closed(closure, Box::new(overlap));
         }
-        let held = Held { closure, overlap, led: Vector3::new(dx, dy, heading) };
+        let held = Held { closure, overlap, led };
         let candidate = &mut self.candidates[index];
         candidate.rate = closure.drift;
         candidate.overlap = driven + 0.2;
@@ -379,18 +383,17 @@ impl Circuit {
         let candidate = &self.candidates[index];
         let Some(held) = &candidate.held else { return Verdict::More };
         let (closure, beyond) = (held.closure, (driven - AS_ONE).max(0.0));
-        let (_, overlap) =
-            self.laid_beyond(candidate, candidate.rate, tracker, beyond, Some(held.led));
+        let (overlap, led) =
+            lead_on(&closure, &self.unwound(candidate.rate, tracker).1, beyond, held.led);
         let far = driven > free_overlap(closure.length());
         let candidate = &mut self.candidates[index];
         candidate.overlap = driven + 0.2;
         let Some(held) = &mut candidate.held else { return Verdict::More };
         if overlap.known >= EVIDENCE {
-            if overlap.agreement < FREE_AGREEMENT || overlap.share < FREE_SHARE {
+            if overlap.agreement < AGREEMENT_BEYOND || overlap.share < FREE_SHARE {
                 return Verdict::Another;
             }
-            let Misclosure { dx, dy, heading, .. } = overlap.misclosure;
-            held.led = Vector3::new(dx, dy, heading);
+            held.led = led;
         }
         if far {
             return Verdict::Closed(held.closure, Box::new(held.overlap));
@@ -433,25 +436,11 @@ impl Circuit {
 
     /// The lap without a drift of `rate`, and its end laid on its beginning.
     fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> (Closure, Overlap) {
-        self.laid_beyond(candidate, rate, tracker, 0.0, None)
-    }
-
-    /// The same for what lies more than `beyond` metres after the crossing alone, laid near `led` too.
-    fn laid_beyond(
-        &self,
-        candidate: &Candidate,
-        rate: f64,
-        tracker: &Tracker,
-        beyond: f64,
-        led: Option<Vector3<f64>>,
-    ) -> (Closure, Overlap) {
-        let unwound = (rate != 0.0).then(|| Unwound::new(tracker.path(), rate));
+        let (unwound, seen) = self.unwound(rate, tracker);
         let (mut from, mut to) = candidate.wound;
-        let mut seen: Cow<'_, [Sighting]> = Cow::Borrowed(self.wall.log());
         let mut path = tracker.path();
         if let Some(unwound) = &unwound {
             (from, to) = (from.unwound(unwound), to.unwound(unwound));
-            seen = seen.iter().map(|seen| seen.unwound(unwound)).collect();
             path = unwound.path();
         }
         let turned = angle::wrap(to.pose.heading - from.pose.heading);
@@ -461,7 +450,18 @@ impl Circuit {
         let pocket = self.pocket;
         let closure = Closure { from, to, side, drift: rate, last_round, pocket };
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
-        let overlap = measure_beyond(&closure, &seen, &traverse, beyond, led);
+        let overlap = measure(&closure, &seen, &traverse);
         (closure, overlap)
+    }
+
+    /// The way of the robot, if there is any drift of `rate` to take out of it, and what it saw without
+    /// that.
+    fn unwound(&self, rate: f64, tracker: &Tracker) -> (Option<Unwound>, Cow<'_, [Sighting]>) {
+        let unwound = (rate != 0.0).then(|| Unwound::new(tracker.path(), rate));
+        let log = self.wall.log();
+        let seen = unwound.as_ref().map_or(Cow::Borrowed(log), |unwound| {
+            log.iter().map(|seen| seen.unwound(unwound)).collect()
+        });
+        (unwound, seen)
     }
 }

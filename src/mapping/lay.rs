@@ -119,10 +119,17 @@ pub fn lay(
     Overlap { misclosure, agreement, share, known, centre, normal, right, sd, alone }
 }
 
+/// Less than this says nothing, per square metre: a standard deviation of ten metres.
+const LEAST_INFORMATION: f64 = 0.01;
+
 /// Standard deviations of the position in its worse direction (metres) and of the heading (radians)
 /// of what is known with this information.
 fn deviations(information: Matrix3<f64>) -> (f64, f64) {
-    let Some(spread) = information.try_inverse() else { return (f64::INFINITY, f64::INFINITY) };
+    // As good as nothing in some direction is nothing, whatever its inverse comes to.
+    let least = information.symmetric_eigenvalues().min();
+    let Some(spread) = information.try_inverse().filter(|_| least > LEAST_INFORMATION) else {
+        return (f64::INFINITY, f64::INFINITY);
+    };
     let position = spread.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
     (position.max(0.0).sqrt(), spread[(2, 2)].max(0.0).sqrt())
 }

@@ -50,7 +50,12 @@ fn crossing(anchor: &Anchor, step: &Drifting, travelled: f64) -> Option<Crossing
     let heading = step.before.heading + angle::wrap(step.now.heading - step.before.heading) * share;
     let turned = angle::wrap(heading - anchor.pose.heading).abs();
     // Wide enough for the drift of a long lap; whether it is the same place the overlap decides.
-    let gate = (0.05 + 0.004 * lap).min(0.4);
+    // With a drift taken out, what the gyro walked at random besides is left.
+    let gate = if step.rate == 0.0 {
+        (0.05 + 0.004 * lap).min(0.4)
+    } else {
+        (0.05 + 0.007 * lap).min(0.9)
+    };
     let facing = if step.rate == 0.0 { (25.0 + 0.1 * lap).min(40.0).to_radians() } else { FACING };
     let cost = (turned / FACING).powi(2) + (lateral / gate).powi(2) + (step.rate / LIKELY).powi(2);
     let near = lateral.abs() < gate && turned < facing;

@@ -324,3 +324,72 @@ impl Adjustment {
 pub fn offset(wall: &Stretch, point: Point) -> f64 {
     cross(wall.along, point - wall.at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::circuit::Anchor;
+    use crate::mapping::follow::Side;
+
+    /// How long the wall is that both looks are of, metres.
+    const LENGTH: f64 = 14.0;
+
+    /// A wall along the x axis with the face of a pillar every two metres, seen from a path beside it
+    /// that begins at `travelled`; the robot believes to turn by `drift` radians a metre.
+    fn look(travelled: f64, drift: f64) -> Vec<Sighting> {
+        let mut believed = Pose::new(0.0, 0.15, 0.0);
+        let mut seen = Vec::new();
+        for k in 0..(LENGTH / 0.05) as u32 {
+            let at = Point::new(f64::from(k) * 0.05, 0.15);
+            let pillar = f64::from(k / 40) * 2.0 + 0.3;
+            let face = (k % 40 < 4).then(|| Point::new(pillar, 0.02 * f64::from(k % 40 + 1)));
+            for place in face.into_iter().chain([Point::new(at.x, 0.0)]) {
+                seen.push(Sighting {
+                    point: believed.position + rotate(place - at, believed.heading),
+                    pose: believed,
+                    beam: believed.heading - angle::FRAC_PI_2,
+                    kind: ContactKind::Range,
+                    sensor: Some(6),
+                    rising: true,
+                    swept: 0.0,
+                    travelled: travelled + at.x,
+                    time_us: ((travelled + at.x) * 1e6) as u64,
+                    alive: true,
+                    ruled_out: 0,
+                });
+            }
+            believed.position += believed.direction() * 0.05;
+            believed.heading += drift * 0.05;
+        }
+        seen
+    }
+
+    #[test]
+    fn a_long_overlap_with_drift_in_it_lies_on_the_beginning_in_pieces_only() {
+        let (lap, drift) = (150.0, 0.003);
+        let mut seen = look(0.0, 0.0);
+        seen.extend(look(lap, drift));
+        let anchor = |travelled: f64| {
+            let pose = Pose::new(0.0, 0.15, 0.0);
+            Anchor { pose, heading: 0.0, travelled, time_us: (travelled.max(0.0) * 1e6) as u64 }
+        };
+        let (from, to) = (anchor(-0.01), anchor(lap - 0.01));
+        let (side, last_round) = (Side::Right, from.travelled);
+        let closure = Closure { from, to, side, drift: 0.0, last_round, pocket: None };
+        let begun = Led { centre: to.pose.position, off: Vector3::zeros() };
+        let (as_one, _) = lead_on(&closure, &seen, 0.0, begun);
+        assert!(as_one.agreement < 0.8, "as one it agrees to {}", as_one.agreement);
+        let mut led = begun;
+        for driven in 1..LENGTH as u32 {
+            let until = f64::from(driven);
+            let driven_by_now = |s: &&Sighting| s.travelled < lap + until;
+            let now: Vec<Sighting> = seen.iter().filter(driven_by_now).copied().collect();
+            let (piece, on) = lead_on(&closure, &now, (until - 4.0).max(0.0), led);
+            assert!(piece.agreement > 0.95, "to {} at {until} m", piece.agreement);
+            led = on;
+        }
+        // The last piece is turned by what the gyro drifted until the middle of it.
+        let turned = drift * (LENGTH - 3.0);
+        assert!((led.off.z - turned).abs() < 0.004, "{} not {turned}", led.off.z);
+    }
+}

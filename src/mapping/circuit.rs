@@ -10,22 +10,22 @@
 //! inside from outside.
 
 mod astray;
+mod candidate;
 mod closure;
 mod crossing;
 
 pub use closure::{Anchor, Closure, Pocket};
 
-use super::adjust::{Led, Traverse, lead_on, measure};
-use super::drift::{Drifts, Unwound};
+use super::drift::Drifts;
 use super::event::Failure;
 use super::follow::{Ask, AtRest, Follower, Side};
 use super::lay::Overlap;
 use super::odometry::Tracker;
-use super::wall::{Sighting, Wall};
+use super::wall::Wall;
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use crate::robot::Chassis;
+use candidate::{Candidate, Verdict};
 use crossing::{Crossing, best};
-use std::borrow::Cow;
 
 /// What comes next on a lap.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,82 +49,12 @@ const ROUND_SOMETHING: f64 = 0.8;
 const WITHIN: f64 = 0.004;
 /// A round from a later place is at least this share of all that was driven since the beginning.
 const ROUND_AT_LEAST: f64 = 0.3;
-/// Rounds of one lap are alike in length to this share.
-const ROUNDS_ALIKE: f64 = 0.03;
-/// ... and at the same places, to this share of a round.
-const SAME_ROUND: f64 = 0.1;
-/// No lap has as many rounds.
-const MOST_ROUNDS: f64 = 5.0;
 /// On shorter laps no drift of the gyro leads astray, metres.
 const DRIFTING: f64 = 20.0;
-/// Share of the overlap that must lie on the walls seen first; more when the gyro's drift was free.
-const AGREEMENT: f64 = 0.55;
-const FREE_AGREEMENT: f64 = 0.85;
-const FREE_SHARE: f64 = 0.6;
-/// Contacts of the overlap that must have something to lie on before that is judged.
-const EVIDENCE: usize = 4;
-/// ... and where there are none after so many metres, it is another place.
-const NOTHING_KNOWN: f64 = 5.0;
-/// The overlap is driven on until the misclosure is known to this (metres, radians), ...
-const POSITION_ENOUGH: f64 = 0.005;
-const HEADING_ENOUGH: f64 = 0.003;
-/// ... but not further than this, metres; further when the gyro's drift was free, since then only
-/// corners tell the place from others like it, known to this.
-const MOST_OVERLAP: f64 = 4.0;
-const MOST_FREE_OVERLAP: f64 = 25.0;
-/// ... and this share of the lap has to be driven again: mazes look alike for long. Meanwhile the gyro
-/// drifts on, so that no more than this of it, metres, is laid on the beginning as one.
-const FREE_OVERLAP: f64 = 0.1;
-const AS_ONE: f64 = 4.0;
-const AGREEMENT_BEYOND: f64 = 0.8;
-const FREE_POSITION: f64 = 0.02;
 /// Crossings that are looked into at the same time, and headings nearer to each other than this are
 /// of one.
 const MOST_CANDIDATES: usize = 6;
 const ANOTHER: f64 = 0.05;
-/// A lap that ends turned by more than this is looked at without that drift, radians: least squares
-/// takes small angles only.
-const SMALL: f64 = 0.02;
-
-/// How far the robot drives beyond the end of a `lap` (metres) that it found without a drift, metres.
-fn free_overlap(lap: f64) -> f64 {
-    (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
-}
-
-/// A crossing that may be the end of the lap, until the overlap has told.
-#[derive(Debug, Clone)]
-struct Candidate {
-    /// With the drift still in it.
-    wound: (Anchor, Anchor),
-    /// +1 for a lap run counter-clockwise.
-    sense: f64,
-    rate: f64,
-    /// Seconds of motion since the lap began.
-    seconds: f64,
-    /// Metres to drive beyond it before it is looked at.
-    overlap: f64,
-    /// What was measured there, as soon as that said where it is; what follows has to lie on the
-    /// beginning too.
-    held: Option<Box<Held>>,
-}
-
-/// A candidate that is sure of its place, but not yet that no other looks like it.
-#[derive(Debug, Clone)]
-struct Held {
-    closure: Closure,
-    overlap: Overlap,
-    /// How what was driven last lay on the beginning.
-    led: Led,
-}
-
-/// What looking at a candidate says.
-enum Verdict {
-    Closed(Closure, Box<Overlap>),
-    /// It only looked near.
-    Another,
-    More,
-}
-
 /// A lap under way.
 #[derive(Debug, Clone)]
 pub struct Circuit {
@@ -321,147 +251,22 @@ impl Circuit {
             held: None,
         });
     }
+}
 
-    /// Lays what was driven since the crossing on the beginning.
-    fn look_into(&mut self, index: usize, tracker: &Tracker) -> Verdict {
-        let candidate = &self.candidates[index];
-        let to = candidate.wound.1;
-        let driven = tracker.travelled() - to.travelled;
-        if driven <= candidate.overlap {
-            return Verdict::More;
-        }
-        let free = candidate.rate != 0.0;
-        if candidate.held.is_some() {
-            return self.look_on(index, driven, tracker);
-        }
-        let (mut closure, mut overlap) = self.laid(candidate, candidate.rate, tracker);
-        let lap = closure.length();
-        let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
-        let all = driven > most.min(0.3 * lap);
-        let (least, position) =
-            if free { (FREE_AGREEMENT, FREE_POSITION) } else { (AGREEMENT, POSITION_ENOUGH) };
-        let known = if free { overlap.alone } else { overlap.sd };
-        let enough = known.0 < position && known.1 < HEADING_ENOUGH;
-        if overlap.known < EVIDENCE && driven > NOTHING_KNOWN {
-            return Verdict::Another;
-        }
-        if overlap.known < EVIDENCE && !all {
-            // On a straight wall contacts are far between: nothing is known yet, either way.
-            self.candidates[index].overlap = driven + 0.2;
-            return Verdict::More;
-        }
-        let unlike = free && (overlap.share < FREE_SHARE || (all && !enough));
-        if overlap.agreement < least || unlike {
-            return Verdict::Another;
-        }
-        let far = !free || driven > free_overlap(lap);
-        if !(enough || all) {
-            self.candidates[index].overlap = driven + 0.2;
-            return Verdict::More;
-        }
-        let left = overlap.misclosure.heading;
-        if left.abs() > SMALL && candidate.seconds > 0.0 {
-            let rate = candidate.rate + left / candidate.seconds;
-            (closure, overlap) = self.laid(candidate, rate, tracker);
-        }
-        let led = Led::by(&closure, &overlap);
-        overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
-        if far || all {
-            return Verdict::Closed(closure, Box::new(overlap));
-        }
-        let held = Held { closure, overlap, led };
-        let candidate = &mut self.candidates[index];
-        candidate.rate = closure.drift;
-        candidate.overlap = driven + 0.2;
-        candidate.held = Some(Box::new(held));
-        Verdict::More
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Whether what was driven since the candidate was sure of its place, piece by piece, lies on the
-    /// beginning as well, `driven` metres beyond the crossing by now.
-    fn look_on(&mut self, index: usize, driven: f64, tracker: &Tracker) -> Verdict {
-        let candidate = &self.candidates[index];
-        let Some(held) = &candidate.held else { return Verdict::More };
-        let (closure, beyond) = (held.closure, (driven - AS_ONE).max(0.0));
-        let (overlap, led) =
-            lead_on(&closure, &self.unwound(candidate.rate, tracker).1, beyond, held.led);
-        let far = driven > free_overlap(closure.length());
-        let candidate = &mut self.candidates[index];
-        candidate.overlap = driven + 0.2;
-        let Some(held) = &mut candidate.held else { return Verdict::More };
-        if overlap.known >= EVIDENCE {
-            if overlap.agreement < AGREEMENT_BEYOND || overlap.share < FREE_SHARE {
-                return Verdict::Another;
-            }
-            held.led = led;
-        }
-        if far {
-            return Verdict::Closed(held.closure, Box::new(held.overlap));
-        }
-        Verdict::More
-    }
-
-    /// Where the last round of a lap began, when it closed on a later round only: all along that and
-    /// the round before, the robot came by the same places.
-    fn last_round(&self, from: &Anchor, to: &Anchor) -> f64 {
-        let lap = to.travelled - from.travelled;
-        let alike = |travelled: f64| {
-            let round = to.travelled - travelled;
-            // Round a post every place is near every other.
-            let near = (0.25 + 0.004 * lap).min(SAME_ROUND * round);
-            let rounds = lap / round.max(lap / MOST_ROUNDS);
-            let count = rounds.round();
-            let whole = (2.0..MOST_ROUNDS).contains(&count)
-                && (rounds - count).abs() < ROUNDS_ALIKE * count;
-            whole
-                && [0.0, 0.2, 0.4, 0.6, 0.8].iter().all(|share| {
-                    let (now, then) = (to.travelled - share * round, travelled - share * round);
-                    self.place(now)
-                        .zip(self.place(then))
-                        .is_some_and(|(a, b)| (a - b).norm() < near)
-                })
-        };
-        let places = self.trail.iter().map(|place| place.travelled).filter(|at| alike(*at));
-        places.fold(from.travelled, f64::max)
-    }
-
-    /// Where the robot was when it had travelled that far.
-    fn place(&self, travelled: f64) -> Option<Point> {
-        let after = self.trail.partition_point(|place| place.travelled < travelled);
-        let (late, early) = (self.trail.get(after)?, self.trail.get(after.checked_sub(1)?)?);
-        let share = (travelled - early.travelled) / (late.travelled - early.travelled).max(1e-9);
-        let (here, there) = (early.pose.position, late.pose.position);
-        Some(here + (there - here) * share)
-    }
-
-    /// The lap without a drift of `rate`, and its end laid on its beginning.
-    fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> (Closure, Overlap) {
-        let (unwound, seen) = self.unwound(rate, tracker);
-        let (mut from, mut to) = candidate.wound;
-        let mut path = tracker.path();
-        if let Some(unwound) = &unwound {
-            (from, to) = (from.unwound(unwound), to.unwound(unwound));
-            path = unwound.path();
-        }
-        let turned = angle::wrap(to.pose.heading - from.pose.heading);
-        to.heading = from.heading + turned + angle::TAU * candidate.sense;
-        let last_round = self.last_round(&from, &to);
-        let side = self.follower.side();
-        let pocket = self.pocket;
-        let closure = Closure { from, to, side, drift: rate, last_round, pocket };
-        let traverse = Traverse::between(path, tracker.resolution(), &closure);
-        let overlap = measure(&closure, &seen, &traverse);
-        (closure, overlap)
-    }
-
-    /// The way of the robot, if there is any drift of `rate` to take out of it, and what it saw without
-    /// that.
-    fn unwound(&self, rate: f64, tracker: &Tracker) -> (Option<Unwound>, Cow<'_, [Sighting]>) {
-        let unwound = (rate != 0.0).then(|| Unwound::new(tracker.path(), rate));
-        let log = self.wall.log();
-        let seen = unwound.as_ref().map_or(Cow::Borrowed(log), |unwound| {
-            log.iter().map(|seen| seen.unwound(unwound)).collect()
-        });
-        (unwound, seen)
+    #[test]
+    fn to_and_fro_in_one_place_goes_round_nothing() {
+        let chassis = Chassis::default();
+        let circuit = Circuit::new(&chassis, Side::Left, Wall::new(&chassis), 1.0);
+        // Round a post of 2 cm radius, with the wall on the left: counter-clockwise.
+        let round_a_post = angle::PI * 0.165 * 0.165;
+        assert!(circuit.went_round(round_a_post));
+        assert!(!circuit.went_round(0.05 * 0.06));
+        // Along the inside of a corridor there and back, kept off both of its walls.
+        assert!(circuit.went_round(-0.05 * 1.0));
+        assert!(!circuit.went_round(-0.01 * 0.06));
     }
 }

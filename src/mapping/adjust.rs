@@ -5,15 +5,20 @@
 //! least squares: heading errs by drift and random walk with time, position with distance and with
 //! the heading before it (see `survey`); measured better than angles first and Bowditch after.
 
+mod piece;
+
+pub use piece::{Led, lead_on};
+
 use super::circuit::Closure;
 use super::lay::{Overlap, Seen, lay};
-use super::map::{Contact, ContactKind, Misclosure, PathPoint};
+use super::map::{Contact, ContactKind, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch, Wall};
-use crate::geometry::{Point, Pose, Ring, angle, cross, rotate};
+use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
+use piece::pieces;
 
 /// An overlap that agrees less than this, by a length of no more metres, is looked at all along the wall, in
 /// steps of so many metres to either side.
@@ -72,60 +77,6 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     }
     laid.misclosure.lap = lap;
     laid
-}
-
-/// Two rounds of one wall differ in length by no more than this share.
-const STRETCHED: f64 = 0.1;
-/// By how much a piece of an overlap may lie otherwise than the piece before, which it shares most of:
-/// metres and radians, one standard deviation.
-const ASTRAY: (f64, f64) = (0.03, 0.012);
-
-/// How a piece of an overlap lay on the beginning.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Led {
-    /// What it turned about.
-    centre: Point,
-    /// By how much it was off: dx, dy, heading.
-    off: Vector3<f64>,
-}
-
-impl Led {
-    /// What `overlap`, which began at the end of `closure`, was off.
-    #[must_use]
-    pub fn by(closure: &Closure, overlap: &Overlap) -> Self {
-        let Misclosure { dx, dy, heading, .. } = overlap.misclosure;
-        Self { centre: closure.to.pose.position, off: Vector3::new(dx, dy, heading) }
-    }
-
-    /// The same, turning about `centre`.
-    fn about(self, centre: Point) -> Self {
-        let arm = centre - self.centre;
-        let moved = arm - rotate(arm, -self.off.z);
-        let off = Vector3::new(self.off.x + moved.x, self.off.y + moved.y, self.off.z);
-        Self { centre, off }
-    }
-}
-
-/// How what was driven more than `beyond` metres after the end of the lap lies on the beginning, about as
-/// the piece before, which `led` there; and how it leads on. A gyro drifts on in a long overlap, so that
-/// no more than a few metres of it lie there as one.
-#[must_use]
-pub fn lead_on(closure: &Closure, sightings: &[Sighting], beyond: f64, led: Led) -> (Overlap, Led) {
-    let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
-    let overlap = sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
-    let around = beyond * (1.0 - STRETCHED) - 0.3..overlap * (1.0 + STRETCHED) + 0.5;
-    let within = |s: &&Sighting| around.contains(&(s.travelled - closure.from.travelled));
-    let seen = sightings.iter().filter(range);
-    let early: Vec<Seen> = seen.clone().filter(within).map(Sighting::seen).collect();
-    let last = |s: &&Sighting| s.travelled > closure.to.travelled + beyond;
-    let late: Vec<Seen> = seen.filter(last).map(Sighting::seen).collect();
-    let centre = late.first().map_or(led.centre, |first| first.at);
-    let Led { off, .. } = led.about(centre);
-    let (way, turn) = (ASTRAY.0.powi(-2), ASTRAY.1.powi(-2));
-    let prior = Matrix3::from_diagonal(&Vector3::new(way, way, turn));
-    let laid = lay(&early, &late, centre, (prior, prior * off), &[off]);
-    let Misclosure { dx, dy, heading, .. } = laid.misclosure;
-    (laid, Led { centre, off: Vector3::new(dx, dy, heading) })
 }
 
 /// Knots of a lap at most.
@@ -226,6 +177,9 @@ impl Traverse {
     }
 }
 
+/// A lap, what its overlap says as one, and what was seen, where that is to be laid piece by piece.
+type Lap<'a> = (Closure, &'a Overlap, &'a [Sighting]);
+
 /// How the trajectory moves when the misclosure is taken out.
 #[derive(Debug, Clone)]
 pub struct Adjustment {
@@ -238,7 +192,7 @@ impl Adjustment {
     /// moves with its end.
     #[must_use]
     pub fn new(tracker: &Tracker, closure: &Closure, overlap: &Overlap, since_us: u64) -> Self {
-        Self::of(tracker, &[(*closure, overlap)], since_us)
+        Self::of(tracker, &[(*closure, overlap, &[])], since_us)
     }
 
     /// The same for the lap round the room, which closes on the way that led there as well: the
@@ -250,6 +204,7 @@ impl Adjustment {
         earlier: &[(Closure, Wall)],
         closure: &Closure,
         overlap: &Overlap,
+        wall: &Wall,
     ) -> Self {
         let measured: Vec<(Closure, Overlap)> = earlier
             .iter()
@@ -258,18 +213,22 @@ impl Adjustment {
                 (*lap, measure(lap, wall.log(), &traverse))
             })
             .collect();
-        let mut laps: Vec<(Closure, &Overlap)> =
-            measured.iter().map(|(lap, overlap)| (*lap, overlap)).collect();
-        laps.push((*closure, overlap));
+        let mut laps: Vec<Lap<'_>> =
+            measured.iter().map(|(lap, overlap)| (*lap, overlap, [].as_slice())).collect();
+        laps.push((*closure, overlap, wall.log()));
         Self::of(tracker, &laps, 0)
     }
 
-    fn of(tracker: &Tracker, laps: &[(Closure, &Overlap)], since_us: u64) -> Self {
-        let closures: Vec<Closure> = laps.iter().map(|(lap, _)| *lap).collect();
+    fn of(tracker: &Tracker, laps: &[Lap<'_>], since_us: u64) -> Self {
+        let closures: Vec<Closure> = laps.iter().map(|(lap, ..)| *lap).collect();
         let traverse = Traverse::along(tracker.path(), tracker.resolution(), &closures, since_us);
         let Traverse { mut survey, ends } = traverse;
-        for ((lap, overlap), ends) in laps.iter().zip(ends) {
-            if let Some((from, to)) = ends {
+        for ((lap, overlap, seen), ends) in laps.iter().zip(ends) {
+            let pieces = pieces(lap, seen, overlap);
+            for piece in &pieces {
+                piece.close(&mut survey);
+            }
+            if let Some((from, to)) = ends.filter(|_| pieces.is_empty()) {
                 overlap.close(&mut survey, &from, &to, lap.to.pose.position);
             }
         }
@@ -323,73 +282,4 @@ impl Adjustment {
 #[must_use]
 pub fn offset(wall: &Stretch, point: Point) -> f64 {
     cross(wall.along, point - wall.at)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mapping::circuit::Anchor;
-    use crate::mapping::follow::Side;
-
-    /// How long the wall is that both looks are of, metres.
-    const LENGTH: f64 = 14.0;
-
-    /// A wall along the x axis with the face of a pillar every two metres, seen from a path beside it
-    /// that begins at `travelled`; the robot believes to turn by `drift` radians a metre.
-    fn look(travelled: f64, drift: f64) -> Vec<Sighting> {
-        let mut believed = Pose::new(0.0, 0.15, 0.0);
-        let mut seen = Vec::new();
-        for k in 0..(LENGTH / 0.05) as u32 {
-            let at = Point::new(f64::from(k) * 0.05, 0.15);
-            let pillar = f64::from(k / 40) * 2.0 + 0.3;
-            let face = (k % 40 < 4).then(|| Point::new(pillar, 0.02 * f64::from(k % 40 + 1)));
-            for place in face.into_iter().chain([Point::new(at.x, 0.0)]) {
-                seen.push(Sighting {
-                    point: believed.position + rotate(place - at, believed.heading),
-                    pose: believed,
-                    beam: believed.heading - angle::FRAC_PI_2,
-                    kind: ContactKind::Range,
-                    sensor: Some(6),
-                    rising: true,
-                    swept: 0.0,
-                    travelled: travelled + at.x,
-                    time_us: ((travelled + at.x) * 1e6) as u64,
-                    alive: true,
-                    ruled_out: 0,
-                });
-            }
-            believed.position += believed.direction() * 0.05;
-            believed.heading += drift * 0.05;
-        }
-        seen
-    }
-
-    #[test]
-    fn a_long_overlap_with_drift_in_it_lies_on_the_beginning_in_pieces_only() {
-        let (lap, drift) = (150.0, 0.003);
-        let mut seen = look(0.0, 0.0);
-        seen.extend(look(lap, drift));
-        let anchor = |travelled: f64| {
-            let pose = Pose::new(0.0, 0.15, 0.0);
-            Anchor { pose, heading: 0.0, travelled, time_us: (travelled.max(0.0) * 1e6) as u64 }
-        };
-        let (from, to) = (anchor(-0.01), anchor(lap - 0.01));
-        let (side, last_round) = (Side::Right, from.travelled);
-        let closure = Closure { from, to, side, drift: 0.0, last_round, pocket: None };
-        let begun = Led { centre: to.pose.position, off: Vector3::zeros() };
-        let (as_one, _) = lead_on(&closure, &seen, 0.0, begun);
-        assert!(as_one.agreement < 0.8, "as one it agrees to {}", as_one.agreement);
-        let mut led = begun;
-        for driven in 1..LENGTH as u32 {
-            let until = f64::from(driven);
-            let driven_by_now = |s: &&Sighting| s.travelled < lap + until;
-            let now: Vec<Sighting> = seen.iter().filter(driven_by_now).copied().collect();
-            let (piece, on) = lead_on(&closure, &now, (until - 4.0).max(0.0), led);
-            assert!(piece.agreement > 0.95, "to {} at {until} m", piece.agreement);
-            led = on;
-        }
-        // The last piece is turned by what the gyro drifted until the middle of it.
-        let turned = drift * (LENGTH - 3.0);
-        assert!((led.off.z - turned).abs() < 0.004, "{} not {turned}", led.off.z);
-    }
 }

@@ -26,6 +26,9 @@ const BESIDE: f64 = 0.012;
 const ON_IT: f64 = 0.008;
 /// Contacts of one wall scatter no more than this about it, metres: what does is ragged.
 const MOST_SCATTER: f64 = 0.006;
+/// Contacts of a ragged wall err together this far, metres, by so much of what they scatter.
+const TOGETHER: f64 = 0.075;
+const RAGGED: f64 = 1.2;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
 const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
@@ -62,9 +65,14 @@ pub struct Overlap {
     pub known: usize,
     /// What the overlap alone says: normal matrix and right-hand side of (dx, dy, heading), the
     /// heading turning about `centre`.
-    centre: Point,
+    pub(super) centre: Point,
     normal: Matrix3<f64>,
     right: Vector3<f64>,
+    /// By how much it was found to be off: dx, dy, heading, turning about `centre`.
+    pub(super) found: Vector3<f64>,
+    /// How far contacts scatter about their walls, metres, and the variance that one of them has among its
+    /// neighbours, square metres.
+    pub(super) doubt: (f64, f64),
     /// Standard deviations of the misclosure in its worse direction (metres) and heading (radians).
     pub sd: (f64, f64),
     /// The same without what wheels and gyro lead to expect.
@@ -96,7 +104,22 @@ pub fn lay(
     starts: &[Vector3<f64>],
 ) -> Overlap {
     let scatter = scatter(early).max(scatter(late));
-    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, scatter };
+    lay_as(early, late, centre, prior, starts, (scatter, variance(late, scatter)))
+}
+
+/// The same for contacts of which it is known how far they `scatter` about their walls, metres, and how
+/// much one of them says: the variance it has among its neighbours, square metres.
+#[must_use]
+pub fn lay_as(
+    early: &[Seen],
+    late: &[Seen],
+    centre: Point,
+    prior: (Matrix3<f64>, Vector3<f64>),
+    starts: &[Vector3<f64>],
+    doubt: (f64, f64),
+) -> Overlap {
+    let (scatter, variance) = doubt;
+    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, scatter, variance };
     let mut best = laid.closest(Vector3::zeros());
     for start in starts {
         let other = laid.closest(*start);
@@ -116,7 +139,7 @@ pub fn lay(
     let judged = known.max(late.len().div_ceil(2)).max(1);
     let agreement = agreeing as f64 / judged as f64;
     let share = agreeing as f64 / late.len().max(1) as f64;
-    Overlap { misclosure, agreement, share, known, centre, normal, right, sd, alone }
+    Overlap { misclosure, agreement, share, known, centre, normal, right, found, doubt, sd, alone }
 }
 
 /// Less than this says nothing, per square metre: a standard deviation of ten metres.
@@ -153,6 +176,8 @@ struct Laid<'a> {
     expected: Vector3<f64>,
     /// Spread of contacts about the wall they are of, metres.
     scatter: f64,
+    /// What one of them says, among its neighbours: its variance, square metres.
+    variance: f64,
 }
 
 impl Laid<'_> {
@@ -210,11 +235,11 @@ impl Laid<'_> {
                 let off = across.dot(&(placed.at - wall.at));
                 agreeing += usize::from(beside || off.abs() < ON_IT.max(2.5 * self.scatter));
                 // Huber's weight: a contact that belongs to another wall must not pull.
-                let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / CONTACT_SD.powi(2);
+                let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / self.variance;
                 normal += row * row.transpose() * weight;
                 right += row * ((off + row.dot(&found)) * weight);
             }
-            (normal, right) = well_seen(&normal, &right, known);
+            (normal, right) = well_seen(&normal, &right, known as f64 / self.variance);
             (fit.normal, fit.right) = (normal, right);
             (fit.agreeing, fit.known) = (agreeing, known);
             let Some(solution) = (normal + self.prior).lu().solve(&(right + self.expected)) else {
@@ -230,15 +255,15 @@ impl Laid<'_> {
     }
 }
 
-/// The same equations without the directions that `count` contacts hardly speak of. Along a straight
+/// The same equations without the directions that contacts of so much `information` hardly speak of. Along a straight
 /// wall, or about the centre of an arc, nothing but the scatter of the tangents is left, and that
 /// must not outvote what the gyro and the wheels are known to keep to.
 fn well_seen(
     normal: &Matrix3<f64>,
     right: &Vector3<f64>,
-    count: usize,
+    information: f64,
 ) -> (Matrix3<f64>, Vector3<f64>) {
-    let least = LEAST_SLOPE.powi(2) * count as f64 / CONTACT_SD.powi(2);
+    let least = LEAST_SLOPE.powi(2) * information;
     let eigen = normal.symmetric_eigen();
     let (mut seen, mut told) = (Matrix3::zeros(), Vector3::zeros());
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
@@ -259,6 +284,14 @@ fn scatter(seen: &[Seen]) -> f64 {
     let mut residuals: Vec<f64> = stretches.map(|stretch| stretch.residual).collect();
     residuals.sort_by(f64::total_cmp);
     residuals.get(residuals.len() / 4).map_or(0.0, |residual| residual.min(MOST_SCATTER))
+}
+
+/// The variance of one of the contacts that were `seen` where they `scatter` about their walls: what a
+/// ragged wall is off its stretches by, a switch finds again with every beam that passes there.
+fn variance(seen: &[Seen], scatter: f64) -> f64 {
+    let near = |a: &Seen| seen.iter().filter(|b| (b.at - a.at).norm() < TOGETHER).count();
+    let neighbours = seen.iter().map(near).sum::<usize>() as f64 / seen.len().max(1) as f64;
+    CONTACT_SD.powi(2) + neighbours * (RAGGED * scatter).powi(2)
 }
 
 /// The straight stretch of early wall on which what was `seen` lies: through its neighbours, as near as

@@ -239,6 +239,12 @@ impl Survey {
         self.knots.len()
     }
 
+    /// Where the first knot that `tie` hangs on was believed to be when it was marked.
+    #[must_use]
+    pub fn place_of(&self, tie: &Tie) -> Point {
+        self.knots[tie.first].at
+    }
+
     /// By how much what is tied by `tie` and was believed at `point` when its knots were marked is
     /// now believed to be elsewhere.
     #[must_use]

@@ -123,7 +123,7 @@ impl Circuit {
             let rate = candidate.rate + left / candidate.seconds;
             (closure, overlap) = self.laid(candidate, rate, tracker);
         }
-        let led = Led::by(&closure, &overlap);
+        let led = Led::by(&overlap);
         overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
         if far || all {
             return Verdict::Closed(closure, Box::new(overlap));

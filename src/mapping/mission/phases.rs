@@ -71,7 +71,8 @@ impl Mission {
     /// Takes the misclosure out of the lap, its contacts, the trajectory and the pose, and learns
     /// the gyro's drift from it.
     fn close_boundary(&mut self, search: &Search, closure: &Closure, overlap: &Overlap) {
-        let adjustment = Adjustment::after(&self.tracker, search.earlier(), closure, overlap);
+        let (earlier, wall) = (search.earlier(), search.wall());
+        let adjustment = Adjustment::after(&self.tracker, earlier, closure, overlap, wall);
         self.map.contacts = lap_contacts(search.wall(), closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);

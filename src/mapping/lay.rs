@@ -28,7 +28,7 @@ const ON_IT: f64 = 0.008;
 const MOST_SCATTER: f64 = 0.006;
 /// Contacts of a ragged wall err together this far, metres, by so much of what they scatter.
 const TOGETHER: f64 = 0.075;
-const RAGGED: f64 = 1.2;
+const RAGGED: f64 = 1.0;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
 const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 

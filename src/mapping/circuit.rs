@@ -75,6 +75,8 @@ pub struct Circuit {
     pocket: Option<Pocket>,
     /// It goes round something else than it began with, in the same room as here, or in a pocket of it.
     led_from: Option<Point>,
+    /// How often the lap began anew.
+    begun_anew: u32,
 }
 
 impl Circuit {
@@ -95,6 +97,7 @@ impl Circuit {
             squeezing: None,
             pocket: None,
             led_from: None,
+            begun_anew: 0,
         }
     }
 

@@ -4,6 +4,7 @@
 
 use super::{Anchor, Circuit, Closure, Pocket};
 use crate::geometry::{Point, Ring, angle};
+use crate::mapping::follow::Side;
 use crate::mapping::odometry::Tracker;
 
 /// The same place again: nearer than this, metres ...
@@ -22,6 +23,16 @@ const ASTRAY: usize = 2;
 const LOST: usize = 5;
 /// Rounds after which it is lost although they come near the beginning.
 const IN_VAIN: usize = 8;
+/// Rounds about the outside of something, away from the beginning, after which the robot has left what it
+/// followed: a room is gone round on its inside.
+const ROUND_A_THING: usize = 2;
+/// Rounds that run like the round before, after which it is lost as well: a lap that was not known again
+/// on its first round may still close on its second.
+const ALIKE: usize = 2;
+/// By what share rounds that are alike may differ in length.
+const STRETCHED: f64 = 0.04;
+/// A lap begins anew no more often: where it began may be another place that it will leave.
+const MOST_BEGINNINGS: u32 = 3;
 /// It is out again when it has come to a new place after as many metres.
 const OUT: f64 = 0.5;
 /// A lap longer than this will not close any more, metres.
@@ -45,9 +56,12 @@ impl Circuit {
             self.pocket = Some(Pocket::new(earliest, now.travelled));
             self.follower.squeeze(true);
         }
-        let lost = astray >= LOST || visits(&self.trail, |_| true).0 >= IN_VAIN;
+        let lost = astray >= LOST
+            || visits(&self.trail, |_| true).0 >= IN_VAIN
+            || goes_round(&self.trail, self.follower.side(), away) >= ROUND_A_THING
+            || alike(&self.trail) >= ALIKE;
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
-        if lost && self.led_from.is_none() {
+        if lost && self.begun_anew < MOST_BEGINNINGS {
             let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
             self.begin_anew(begun.position);
             return false;
@@ -58,7 +72,8 @@ impl Circuit {
     /// The robot left what it followed and goes round something else, of which there is no way back: from
     /// here on the lap is one round that.
     fn begin_anew(&mut self, led_from: Point) {
-        self.led_from = Some(led_from);
+        self.led_from.get_or_insert(led_from);
+        self.begun_anew += 1;
         self.anchors.clear();
         self.passed.clear();
         self.candidates.clear();
@@ -84,28 +99,57 @@ impl Circuit {
 /// How often the robot was where it is now, facing the same way, since it last was at a place that
 /// does not `count`, and the odometer at the first of those times, metres.
 fn visits(trail: &[Anchor], count: impl Fn(&Anchor) -> bool) -> (usize, f64) {
-    let Some((now, before)) = trail.split_last() else { return (0, 0.0) };
-    let mut last = now.travelled;
-    let mut times = 0;
+    let visits = visited(trail, count);
+    (visits.len().saturating_sub(1), visits.last().map_or(0.0, |first| first.travelled))
+}
+
+/// Where the robot is now and, going back, each time that it was there, facing the same way, since it
+/// last was at a place that does not `count`.
+fn visited(trail: &[Anchor], count: impl Fn(&Anchor) -> bool) -> Vec<&Anchor> {
+    let Some((now, before)) = trail.split_last() else { return Vec::new() };
+    let mut visits = vec![now];
     for place in before.iter().rev().take_while(|place| count(place)) {
-        let since = now.travelled - place.travelled;
-        let near = (NEAR + DRIFT * since).min(FARTHEST);
-        let again = last - place.travelled > SHORTEST_ROUND
-            && (place.pose.position - now.pose.position).norm() < near
-            && angle::wrap(place.pose.heading - now.pose.heading).abs() < FACING;
-        if again {
-            times += 1;
-            last = place.travelled;
+        let last = visits.last().map_or(0.0, |visit| visit.travelled);
+        if last - place.travelled > SHORTEST_ROUND && is_near(place, now) {
+            visits.push(place);
         }
     }
-    (times, last)
+    visits
+}
+
+/// How many of the last rounds went about the outside of something, on the robot's `side`.
+fn goes_round(trail: &[Anchor], side: Side, count: impl Fn(&Anchor) -> bool) -> usize {
+    let about =
+        |round: &&[&Anchor]| (round[0].heading - round[1].heading) * side.sign() > angle::FRAC_PI_2;
+    visited(trail, count).windows(2).take_while(about).count()
+}
+
+/// How many of the rounds that led back to where the robot is now ran all along as the round before them.
+fn alike(trail: &[Anchor]) -> usize {
+    let at = |travelled: f64| trail.get(trail.partition_point(|p| p.travelled < travelled));
+    let as_before = |round: &&[&Anchor]| {
+        let [now, then, before] = [0, 1, 2].map(|k: usize| round[k].travelled);
+        let (late, early) = (now - then, then - before);
+        let same_way = |share: f64| {
+            let (now, then) = (at(now - share * late), at(then - share * early));
+            now.zip(then).is_some_and(|(now, then)| is_near(then, now))
+        };
+        (late - early).abs() < STRETCHED * early && (1..10).all(|k| same_way(f64::from(k) * 0.1))
+    };
+    visited(trail, |_| true).windows(3).take_while(as_before).count()
+}
+
+/// Whether the robot was at `then`, some way ago, where it is `now`, facing the same way.
+fn is_near(then: &Anchor, now: &Anchor) -> bool {
+    let near = (NEAR + DRIFT * (now.travelled - then.travelled)).min(FARTHEST);
+    (then.pose.position - now.pose.position).norm() < near
+        && angle::wrap(then.pose.heading - now.pose.heading).abs() < FACING
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::Pose;
-    use crate::mapping::follow::Side;
     use crate::mapping::wall::Wall;
     use crate::robot::Chassis;
 
@@ -130,6 +174,25 @@ mod tests {
         }
         let left = |place: &Anchor| place.pose.position.x < 0.9;
         assert_eq!(visits(&circling(3.2, 0.0), left).0, 0);
+    }
+
+    #[test]
+    fn rounds_about_a_thing_are_told_from_rounds_of_its_inside() {
+        // Counter-clockwise: with the wall on the left, about the outside of what is there.
+        let trail = circling(3.2, 0.0);
+        assert_eq!(goes_round(&trail, Side::Left, |_| true), 3);
+        assert_eq!(goes_round(&trail, Side::Right, |_| true), 0);
+    }
+
+    #[test]
+    fn a_round_is_like_the_one_before_only_when_it_runs_the_same_way_throughout() {
+        let mut trail = circling(3.2, 0.0);
+        assert_eq!(alike(&trail), 2);
+        for place in &mut trail {
+            let on_the_way = (16.0..17.0).contains(&place.travelled);
+            place.pose.position.x += if on_the_way { 0.5 } else { 0.0 };
+        }
+        assert_eq!(alike(&trail), 0, "the last round but for its end went another way");
     }
 
     #[test]

@@ -26,6 +26,8 @@ const BESIDE: f64 = 0.012;
 const ON_IT: f64 = 0.008;
 /// Contacts of one wall scatter no more than this about it, metres: what does is ragged.
 const MOST_SCATTER: f64 = 0.006;
+/// How well a contact holds on to another beside it where there is no stretch to lie on, metres.
+const HOLD: f64 = 0.02;
 /// Contacts of a ragged wall err together this far, metres, by so much of what they scatter.
 const TOGETHER: f64 = 0.075;
 const RAGGED: f64 = 1.0;
@@ -199,6 +201,13 @@ impl Laid<'_> {
             .collect()
     }
 
+    /// The early contact nearest to what was `seen`, when one is no farther than `near`, metres.
+    fn beside(&self, seen: &Seen, near: f64) -> Option<Point> {
+        let off = |early: &Seen| (early.at - seen.at).norm();
+        let facing = self.early.iter().filter(|early| early.faces_as(seen) && off(early) < near);
+        facing.min_by(|a, b| off(a).total_cmp(&off(b))).map(|early| early.at)
+    }
+
     /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
     /// many of them then agree.
     fn closest(&self, start: Vector3<f64>) -> Fit {
@@ -218,22 +227,29 @@ impl Laid<'_> {
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
                 let near = BESIDE.max(3.0 * self.scatter);
                 let placed = Seen { at: placed, ..*seen };
-                let beside = self
-                    .early
-                    .iter()
-                    .any(|early| (early.at - placed.at).norm() < near && early.faces_as(&placed));
+                let beside = self.beside(&placed, near);
                 let straight = STRAIGHT.max(1.6 * self.scatter);
                 let Some(wall) = stretch_beside(self.early, &placed, straight) else {
-                    // Ragged wall has no stretch to lie on; a contact where one was agrees too.
-                    agreeing += usize::from(beside);
-                    known += usize::from(beside);
+                    // Ragged wall has no stretch to lie on; a contact where one was agrees too, and
+                    // holds on to it.
+                    let Some(beside) = beside else { continue };
+                    agreeing += 1;
+                    known += 1;
+                    let off = placed.at - beside;
+                    let [by_x, by_y] = [Vector::x(), Vector::y()].map(|axis| {
+                        Vector3::new(axis.x, axis.y, axis.dot(&perp(arm)))
+                    });
+                    let weight = HOLD.powi(-2);
+                    normal += (by_x * by_x.transpose() + by_y * by_y.transpose()) * weight;
+                    right += by_x * ((off.x + by_x.dot(&found)) * weight);
+                    right += by_y * ((off.y + by_y.dot(&found)) * weight);
                     continue;
                 };
                 known += 1;
                 let across = perp(wall.along);
                 let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
                 let off = across.dot(&(placed.at - wall.at));
-                agreeing += usize::from(beside || off.abs() < ON_IT.max(2.5 * self.scatter));
+                agreeing += usize::from(beside.is_some() || off.abs() < ON_IT.max(2.5 * self.scatter));
                 // Huber's weight: a contact that belongs to another wall must not pull.
                 let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / self.variance;
                 normal += row * row.transpose() * weight;

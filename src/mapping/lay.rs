@@ -6,7 +6,7 @@ use super::map::Misclosure;
 use super::survey::{Survey, Tie};
 use super::wall::Stretch;
 use crate::geometry::fit::Moments;
-use crate::geometry::{Point, Vector, perp, rotate};
+use crate::geometry::{Point, Vector, cross, perp, rotate};
 use nalgebra::{Matrix3, Vector3};
 
 /// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
@@ -18,6 +18,8 @@ const LEAST_SLOPE: f64 = 0.05;
 
 /// Distance of the starts in a direction that the overlap leaves open, metres.
 const OPEN_STEP: f64 = 0.04;
+/// Starts to either side at most.
+const MOST_STEPS: f64 = 25.0;
 
 /// Contacts that lie this close about a line or circle are one wall, metres; more when they scatter.
 const STRAIGHT: f64 = 0.003;
@@ -33,6 +35,8 @@ const TOGETHER: f64 = 0.075;
 const RAGGED: f64 = 1.0;
 /// How far around a contact its wall is looked for, metres: sparse on long straight walls.
 const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
+/// Contacts that a stretch of wall rests on at least.
+const A_STRETCH: usize = 4;
 
 /// A place of a surface, and from which side it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -191,7 +195,7 @@ impl Laid<'_> {
         let worst = eigen.eigenvalues.imax();
         let sd = eigen.eigenvalues[worst].max(0.0).sqrt();
         let direction = eigen.eigenvectors.column(worst).into_owned();
-        let steps = (2.5 * sd / OPEN_STEP).min(12.0) as i32;
+        let steps = (2.5 * sd / OPEN_STEP).min(MOST_STEPS) as i32;
         (-steps..=steps)
             .filter(|k| *k != 0)
             .map(|k| {
@@ -206,6 +210,34 @@ impl Laid<'_> {
         let off = |early: &Seen| (early.at - seen.at).norm();
         let facing = self.early.iter().filter(|early| early.faces_as(seen) && off(early) < near);
         facing.min_by(|a, b| off(a).total_cmp(&off(b))).map(|early| early.at)
+    }
+
+    /// Whether what was `seen` lies between two early contacts next to each other: where a wall has corners
+    /// its contacts lie on no line, and a later one comes between them.
+    fn is_between(&self, seen: &Seen, near: f64) -> bool {
+        let facing = self.early.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
+        let close: Vec<Point> = facing.filter(|at| (at - seen.at).norm() < NEIGHBOURS[0]).collect();
+        close.iter().enumerate().any(|(k, a)| {
+            close[k + 1..].iter().any(|b| {
+                let along = b - a;
+                let length = along.norm();
+                if !(1e-6..NEIGHBOURS[0]).contains(&length) {
+                    return false;
+                }
+                let off = seen.at - a;
+                let share = along.dot(&off) / length;
+                (0.0..=length).contains(&share) && (cross(along, off) / length).abs() < near
+            })
+        })
+    }
+
+    /// Whether the early contacts close about what was `seen` lie on no line: they tell where along the wall
+    /// it is.
+    fn is_ragged(&self, seen: &Seen, straight: f64) -> bool {
+        let facing = self.early.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
+        let close: Vec<Point> = facing.filter(|at| (at - seen.at).norm() < NEIGHBOURS[0]).collect();
+        close.len() >= A_STRETCH
+            && Stretch::through(&close).is_some_and(|line| line.residual >= straight)
     }
 
     /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
@@ -231,10 +263,14 @@ impl Laid<'_> {
                 let straight = STRAIGHT.max(1.6 * self.scatter);
                 let Some(wall) = stretch_beside(self.early, &placed, straight) else {
                     // Ragged wall has no stretch to lie on; a contact where one was agrees too, and
-                    // holds on to it.
+                    // holds on to it where they are close together.
+                    let agrees = beside.is_some() || self.is_between(&placed, near);
+                    agreeing += usize::from(agrees);
+                    known += usize::from(agrees);
                     let Some(beside) = beside else { continue };
-                    agreeing += 1;
-                    known += 1;
+                    if !self.is_ragged(&placed, straight) {
+                        continue;
+                    }
                     let off = placed.at - beside;
                     let [by_x, by_y] = [Vector::x(), Vector::y()].map(|axis| {
                         Vector3::new(axis.x, axis.y, axis.dot(&perp(arm)))
@@ -319,7 +355,7 @@ fn stretch_beside(walls: &[Seen], seen: &Seen, tolerance: f64) -> Option<Stretch
     NEIGHBOURS.iter().find_map(|reach| {
         let near: Vec<Point> =
             facing.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
-        if near.len() < 4 {
+        if near.len() < A_STRETCH {
             return None;
         }
         let straight = Stretch::through(&near)?;

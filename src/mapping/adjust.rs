@@ -20,7 +20,7 @@ use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
 use piece::pieces;
 
-/// An overlap that agrees less than this, by a length of no more metres, is looked at all along the wall, in
+/// An overlap of which less than this share agrees, by a length of no more metres, is looked at all along the wall, in
 /// steps of so many metres to either side.
 const DOUBTFUL: f64 = 0.9;
 const FEATURES: f64 = 7.0;
@@ -57,8 +57,9 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
     let starts = [Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
     let mut laid = lay(&early, &late, centre, (prior, expected), &starts);
-    if laid.agreement < DOUBTFUL && overlap < FEATURES {
-        // A ragged wall holds on to the wrong notch: the others are tried, along the wall.
+    if laid.share < DOUBTFUL && overlap < FEATURES {
+        // A ragged wall holds on to the wrong notch, the far side of a pillar to its near one: others are
+        // tried, along the wall.
         let along = closure.to.pose.direction();
         let sd = prior.try_inverse().map_or(0.0, |spread| {
             let position = spread.fixed_view::<2, 2>(0, 0).into_owned();
@@ -71,7 +72,7 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
             .map(|by| Vector3::new(from.dx + by.x, from.dy + by.y, from.heading))
             .collect();
         let other = lay(&early, &late, centre, (prior, expected), &others);
-        if other.agreement > laid.agreement {
+        if other.share > laid.share {
             laid = other;
         }
     }

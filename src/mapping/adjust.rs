@@ -30,9 +30,15 @@ const MOST_NOTCHES: i32 = 14;
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
 /// overlap: the contacts after `closure.to` laid on the walls after `closure.from` (iterated closest
 /// points, point to line). What the overlap leaves open (a straight wall says nothing of the way
-/// along it, an arc nothing of a turn about its centre) is left to what `traverse` expects.
+/// along it, an arc nothing of a turn about its centre) is left to what `traverse` expects. Some of it may
+/// have been looked at `before`.
 #[must_use]
-pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -> Overlap {
+pub fn measure(
+    closure: &Closure,
+    sightings: &[Sighting],
+    traverse: &Traverse,
+    before: Option<Led>,
+) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
     let since = |s: &Sighting| s.travelled - closure.from.travelled;
@@ -55,7 +61,10 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
     let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
-    let starts = [Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
+    // How it lay before some more was driven is another.
+    let mut starts =
+        vec![Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
+    starts.extend(before.map(|before| before.at(centre)));
     let mut laid = lay(&early, &late, centre, (prior, expected), &starts);
     if laid.share < DOUBTFUL && overlap < FEATURES {
         // A ragged wall holds on to the wrong notch, the far side of a pillar to its near one: others are
@@ -66,10 +75,10 @@ pub fn measure(closure: &Closure, sightings: &[Sighting], traverse: &Traverse) -
             along.dot(&(position * along)).max(0.0).sqrt()
         });
         let most = ((2.0 * sd / NOTCH) as i32).min(MOST_NOTCHES);
-        let from = laid.misclosure;
+        let from = before.map_or(laid.found, |before| before.at(centre));
         let others: Vec<Vector3<f64>> = (-most..=most)
             .map(|k| along * (f64::from(k) * NOTCH))
-            .map(|by| Vector3::new(from.dx + by.x, from.dy + by.y, from.heading))
+            .map(|by| from + Vector3::new(by.x, by.y, 0.0))
             .collect();
         let other = lay(&early, &late, centre, (prior, expected), &others);
         if other.share > laid.share {
@@ -211,7 +220,7 @@ impl Adjustment {
             .iter()
             .map(|(lap, wall)| {
                 let traverse = Traverse::between(tracker.path(), tracker.resolution(), lap);
-                (*lap, measure(lap, wall.log(), &traverse))
+                (*lap, measure(lap, wall.log(), &traverse, None))
             })
             .collect();
         let mut laps: Vec<Lap<'_>> =

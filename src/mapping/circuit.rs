@@ -251,6 +251,7 @@ impl Circuit {
             rate,
             seconds,
             overlap: self.overlap,
+            looked: None,
             held: None,
         });
     }

@@ -45,6 +45,11 @@ impl Led {
         Self { centre: overlap.centre, off: overlap.found }
     }
 
+    /// By how much it was off (dx, dy, heading), turning about `centre`.
+    pub(super) fn at(self, centre: Point) -> Vector3<f64> {
+        self.about(centre).off
+    }
+
     /// The same, turning about `centre`.
     fn about(self, centre: Point) -> Self {
         let arm = centre - self.centre;

@@ -58,6 +58,8 @@ pub(super) struct Candidate {
     pub(super) seconds: f64,
     /// Metres to drive beyond it before it is looked at.
     pub(super) overlap: f64,
+    /// How what was looked at so far lay on the beginning.
+    pub(super) looked: Option<Led>,
     /// What was measured there, as soon as that said where it is; what follows has to lie on the
     /// beginning too.
     pub(super) held: Option<Box<Held>>,
@@ -94,6 +96,7 @@ impl Circuit {
             return self.look_on(index, driven, tracker);
         }
         let (mut closure, mut overlap) = self.laid(candidate, candidate.rate, tracker);
+        let looked = Led::by(&overlap);
         let lap = closure.length();
         let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
         let all = driven > most.min(0.3 * lap);
@@ -116,6 +119,7 @@ impl Circuit {
         let far = !free || driven > free_overlap(lap);
         if !(enough || all) {
             self.candidates[index].overlap = driven + 0.2;
+            self.candidates[index].looked = Some(looked);
             return Verdict::More;
         }
         let left = overlap.misclosure.heading;
@@ -209,7 +213,8 @@ impl Circuit {
         let pocket = self.pocket;
         let closure = Closure { from, to, side, drift: rate, last_round, pocket };
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
-        let overlap = measure(&closure, &seen, &traverse);
+        let before = candidate.looked.filter(|_| rate == candidate.rate);
+        let overlap = measure(&closure, &seen, &traverse, before);
         (closure, overlap)
     }
 

@@ -7,18 +7,18 @@
 
 mod piece;
 
-pub use piece::{Led, lead_on};
+pub use piece::{Led, Placed, lead_on};
 
 use super::circuit::Closure;
 use super::lay::{Overlap, Seen, lay};
-use super::map::{Contact, ContactKind, PathPoint};
+use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch, Wall};
-use crate::geometry::{Point, Pose, Ring, angle, cross};
+use crate::geometry::{Point, Pose, Ring, Vector, angle, cross, perp};
 use nalgebra::{Matrix3, Vector3};
-use piece::pieces;
+use piece::{STRETCHED, pieces};
 
 /// An overlap of which less than this share agrees, by a length of no more metres, is looked at all along the wall, in
 /// steps of so many metres to either side.
@@ -27,55 +27,67 @@ const FEATURES: f64 = 7.0;
 const NOTCH: f64 = 0.05;
 const MOST_NOTCHES: i32 = 14;
 
+/// A piece of an overlap beyond others is looked for among what came by so much sooner or later, metres,
+/// beside the share by which rounds differ.
+const OFF_ALONG: f64 = 1.0;
+
+/// What is known of an overlap from looking at the beginning of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Before {
+    /// How it lay.
+    pub led: Led,
+    /// What was driven up to so many metres beyond the end of the lap has been looked at enough.
+    pub beyond: f64,
+}
+
 /// How much the pose at the end of the lap is off from the pose at its beginning, measured on the
 /// overlap: the contacts after `closure.to` laid on the walls after `closure.from` (iterated closest
 /// points, point to line). What the overlap leaves open (a straight wall says nothing of the way
 /// along it, an arc nothing of a turn about its centre) is left to what `traverse` expects. Some of it may
-/// have been looked at `before`.
+/// have been looked at `before`: then only what lies beyond that is laid.
 #[must_use]
 pub fn measure(
     closure: &Closure,
     sightings: &[Sighting],
     traverse: &Traverse,
-    before: Option<Led>,
+    before: Option<Before>,
 ) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
     let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
-    let since = |s: &Sighting| s.travelled - closure.from.travelled;
-    let early: Vec<Seen> = sightings
-        .iter()
-        .filter(range)
-        .filter(|s| (-0.3..overlap + 0.5).contains(&since(s)))
-        .map(Sighting::seen)
-        .collect();
-    let late: Vec<Seen> = sightings
-        .iter()
-        .filter(range)
-        .filter(|s| s.travelled > closure.to.travelled)
-        .map(Sighting::seen)
-        .collect();
+    let beyond = before.map_or(0.0, |before| before.beyond);
+    // What lies far beyond the end of the lap may have been come by sooner or later.
+    let sooner = if beyond > 0.0 { STRETCHED * beyond + OFF_ALONG } else { 0.0 };
+    let around = beyond - 0.3 - sooner..overlap + 0.5 + sooner;
+    let within = |s: &&Sighting| around.contains(&(s.travelled - closure.from.travelled));
+    let seen = sightings.iter().filter(range);
+    let early: Vec<Seen> = seen.clone().filter(within).map(Sighting::seen).collect();
+    let end = closure.to.pose;
+    let after = |s: &&Sighting| s.travelled > closure.to.travelled + beyond;
+    let late: Vec<Seen> = seen.filter(after).map(Sighting::seen).collect();
     let lap = closure.length();
-    let centre = closure.to.pose.position;
-    let (prior, expected) = traverse.prior();
-    let shift = closure.to.pose.position - closure.from.pose.position;
-    let turn = angle::wrap(closure.to.pose.heading - closure.from.pose.heading);
+    let far = late.first().filter(|_| beyond > 0.0);
+    let centre = far.map_or(end.position, |first| first.at);
+    let (prior, expected) = about(traverse.prior(), centre - end.position);
+    let shift = end.position - closure.from.pose.position;
+    let turn = angle::wrap(end.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
     // guess of the misclosure; that there is none is the other. The one that fits better counts.
     // How it lay before some more was driven is another.
-    let mut starts =
-        vec![Vector3::new(shift.x, shift.y, 0.0), Vector3::new(shift.x, shift.y, turn)];
-    starts.extend(before.map(|before| before.at(centre)));
+    let before = before.map(|before| before.led);
+    let guess = |turn: f64| Led::of(end.position, Vector3::new(shift.x, shift.y, turn));
+    let starts = [guess(0.0), guess(turn)].into_iter().chain(before);
+    let starts: Vec<Vector3<f64>> = starts.map(|start| start.at(centre)).collect();
     let mut laid = lay(&early, &late, centre, (prior, expected), &starts);
     if laid.share < DOUBTFUL && overlap < FEATURES {
         // A ragged wall holds on to the wrong notch, the far side of a pillar to its near one: others are
         // tried, along the wall.
-        let along = closure.to.pose.direction();
+        let along = end.direction();
         let sd = prior.try_inverse().map_or(0.0, |spread| {
             let position = spread.fixed_view::<2, 2>(0, 0).into_owned();
             along.dot(&(position * along)).max(0.0).sqrt()
         });
         let most = ((2.0 * sd / NOTCH) as i32).min(MOST_NOTCHES);
-        let from = before.map_or(laid.found, |before| before.at(centre));
+        let from = before.map_or(laid.found, |led| led.at(centre));
         let others: Vec<Vector3<f64>> = (-most..=most)
             .map(|k| along * (f64::from(k) * NOTCH))
             .map(|by| from + Vector3::new(by.x, by.y, 0.0))
@@ -85,8 +97,22 @@ pub fn measure(
             laid = other;
         }
     }
-    laid.misclosure.lap = lap;
+    let off = Led::by(&laid).at(end.position);
+    laid.misclosure = Misclosure { dx: off.x, dy: off.y, heading: off.z, lap };
     laid
+}
+
+/// What is known of (dx, dy, heading) about a point, information and right-hand side, about another that
+/// lies `arm` away.
+fn about(
+    (information, right): (Matrix3<f64>, Vector3<f64>),
+    arm: Vector,
+) -> (Matrix3<f64>, Vector3<f64>) {
+    // Turning by the heading moves the other point across the arm.
+    let mut back = Matrix3::identity();
+    back[(0, 2)] = -perp(arm).x;
+    back[(1, 2)] = -perp(arm).y;
+    (back.transpose() * information * back, back.transpose() * right)
 }
 
 /// Knots of a lap at most.

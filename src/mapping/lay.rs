@@ -272,9 +272,8 @@ impl Laid<'_> {
                         continue;
                     }
                     let off = placed.at - beside;
-                    let [by_x, by_y] = [Vector::x(), Vector::y()].map(|axis| {
-                        Vector3::new(axis.x, axis.y, axis.dot(&perp(arm)))
-                    });
+                    let [by_x, by_y] = [Vector::x(), Vector::y()]
+                        .map(|axis| Vector3::new(axis.x, axis.y, axis.dot(&perp(arm))));
                     let weight = HOLD.powi(-2);
                     normal += (by_x * by_x.transpose() + by_y * by_y.transpose()) * weight;
                     right += by_x * ((off.x + by_x.dot(&found)) * weight);
@@ -285,7 +284,8 @@ impl Laid<'_> {
                 let across = perp(wall.along);
                 let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
                 let off = across.dot(&(placed.at - wall.at));
-                agreeing += usize::from(beside.is_some() || off.abs() < ON_IT.max(2.5 * self.scatter));
+                agreeing +=
+                    usize::from(beside.is_some() || off.abs() < ON_IT.max(2.5 * self.scatter));
                 // Huber's weight: a contact that belongs to another wall must not pull.
                 let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / self.variance;
                 normal += row * row.transpose() * weight;

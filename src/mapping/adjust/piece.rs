@@ -7,12 +7,12 @@ use super::super::lay::{Overlap, Seen, lay, lay_as};
 use super::super::map::ContactKind;
 use super::super::survey::Survey;
 use super::super::wall::Sighting;
-use crate::geometry::{Point, Vector, rotate};
+use crate::geometry::{Point, Pose, Vector, angle, rotate};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
 /// Two rounds of one wall differ in length by no more than this share.
-const STRETCHED: f64 = 0.1;
+pub(super) const STRETCHED: f64 = 0.1;
 /// By how much a piece of an overlap may lie otherwise than the piece before, which it shares most of:
 /// metres and radians, one standard deviation.
 const ASTRAY: (f64, f64) = (0.03, 0.012);
@@ -39,6 +39,11 @@ pub struct Led {
 }
 
 impl Led {
+    /// `off` (dx, dy, heading), turning about `centre`.
+    pub(super) fn of(centre: Point, off: Vector3<f64>) -> Self {
+        Self { centre, off }
+    }
+
     /// What `overlap` was off, as one.
     #[must_use]
     pub fn by(overlap: &Overlap) -> Self {
@@ -56,6 +61,35 @@ impl Led {
         let moved = arm - rotate(arm, -self.off.z);
         let off = Vector3::new(self.off.x + moved.x, self.off.y + moved.y, self.off.z);
         Self { centre, off }
+    }
+}
+
+/// Where the robot really was at a place of the overlap, as far as the beginning goes: holds whatever
+/// drift is taken out of the way there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placed {
+    time_us: u64,
+    pose: Pose,
+}
+
+impl Placed {
+    /// Where what was `seen` last was seen from, `led` onto the beginning.
+    #[must_use]
+    pub fn last(seen: &[Sighting], led: Led) -> Option<Self> {
+        let Sighting { pose, time_us, .. } = *seen.last()?;
+        let off = led.at(pose.position);
+        let position = pose.position - Vector::new(off.x, off.y);
+        let heading = angle::wrap(pose.heading - off.z);
+        Some(Self { time_us, pose: Pose { position, heading } })
+    }
+
+    /// What leads there what was `seen`.
+    #[must_use]
+    pub fn led(&self, seen: &[Sighting]) -> Option<Led> {
+        let there = seen.iter().rev().find(|seen| seen.time_us == self.time_us)?.pose;
+        let by = there.position - self.pose.position;
+        let turn = angle::wrap(there.heading - self.pose.heading);
+        Some(Led { centre: there.position, off: Vector3::new(by.x, by.y, turn) })
     }
 }
 
@@ -138,21 +172,29 @@ impl Piece {
 /// `seen` is believed where it was before any adjustment.
 pub(super) fn pieces(closure: &Closure, seen: &[Sighting], overlap: &Overlap) -> Vec<Piece> {
     let driven = driven_beyond(closure, seen);
-    let mut led = Led::by(overlap);
     let (mut pieces, mut known) = (Vec::new(), 0);
-    let (mut begin, mut end) = (0.0, PIECE);
-    while end < driven + GROWS {
-        let (laid, times) = lead(closure, seen, &(begin..end), led, BEND, Some(overlap.doubt));
-        if laid.known < LEAST {
-            end += GROWS;
-            continue;
+    // From where it was laid, onward and back.
+    let there = seen.iter().rev().find(|seen| (seen.point - overlap.centre).norm() < 1e-9);
+    let there = there.map_or(0.0, |there| there.travelled - closure.to.travelled).max(0.0);
+    for (start, back) in [(there, false), (there, true)] {
+        let mut led = Led::by(overlap);
+        let (mut near, mut length) = (start, PIECE);
+        while if back { near > 0.0 } else { near + length < driven + GROWS } {
+            let along = if back { near - length..near } else { near..near + length };
+            let (laid, times) = lead(closure, seen, &along, led, BEND, Some(overlap.doubt));
+            if laid.known < LEAST && (!back || along.start > 0.0) {
+                length += GROWS;
+                continue;
+            }
+            let enough = laid.known >= LEAST && laid.agreement >= AGREES;
+            if let Some((early_us, late_us)) = times.filter(|_| enough) {
+                led = Led::by(&laid);
+                known += laid.known;
+                pieces.push(Piece { laid, early_us, late_us });
+            }
+            near = if back { along.start } else { along.end };
+            length = PIECE;
         }
-        if let Some((early_us, late_us)) = times.filter(|_| laid.agreement >= AGREES) {
-            led = Led::by(&laid);
-            known += laid.known;
-            pieces.push(Piece { laid, early_us, late_us });
-        }
-        (begin, end) = (end, end + PIECE);
     }
     // Where little of it lies in pieces it says more as one.
     if known as f64 > ALL * overlap.known as f64 { pieces } else { Vec::new() }
@@ -163,7 +205,6 @@ mod tests {
     use super::super::super::circuit::Anchor;
     use super::super::super::follow::Side;
     use super::*;
-    use crate::geometry::{Pose, angle};
 
     /// How long the wall is that both looks are of, metres.
     const LENGTH: f64 = 14.0;

@@ -3,7 +3,7 @@
 
 use super::{Anchor, Circuit, Closure};
 use crate::geometry::{Point, angle};
-use crate::mapping::adjust::{Led, Traverse, lead_on, measure};
+use crate::mapping::adjust::{Before, Led, Placed, Traverse, lead_on, measure};
 use crate::mapping::drift::Unwound;
 use crate::mapping::lay::Overlap;
 use crate::mapping::odometry::Tracker;
@@ -58,8 +58,8 @@ pub(super) struct Candidate {
     pub(super) seconds: f64,
     /// Metres to drive beyond it before it is looked at.
     pub(super) overlap: f64,
-    /// How what was looked at so far lay on the beginning.
-    pub(super) looked: Option<Led>,
+    /// Where what was looked at so far says that the robot was then.
+    pub(super) looked: Option<Placed>,
     /// What was measured there, as soon as that said where it is; what follows has to lie on the
     /// beginning too.
     pub(super) held: Option<Box<Held>>,
@@ -95,8 +95,7 @@ impl Circuit {
         if candidate.held.is_some() {
             return self.look_on(index, driven, tracker);
         }
-        let (mut closure, mut overlap) = self.laid(candidate, candidate.rate, tracker);
-        let looked = Led::by(&overlap);
+        let (mut closure, mut overlap, looked) = self.laid(candidate, candidate.rate, tracker);
         let lap = closure.length();
         let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
         let all = driven > most.min(0.3 * lap);
@@ -119,13 +118,13 @@ impl Circuit {
         let far = !free || driven > free_overlap(lap);
         if !(enough || all) {
             self.candidates[index].overlap = driven + 0.2;
-            self.candidates[index].looked = Some(looked);
+            self.candidates[index].looked = looked;
             return Verdict::More;
         }
         let left = overlap.misclosure.heading;
         if left.abs() > SMALL && candidate.seconds > 0.0 {
             let rate = candidate.rate + left / candidate.seconds;
-            (closure, overlap) = self.laid(candidate, rate, tracker);
+            (closure, overlap, _) = self.laid(candidate, rate, tracker);
         }
         let led = Led::by(&overlap);
         overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
@@ -197,8 +196,13 @@ impl Circuit {
         Some(here + (there - here) * share)
     }
 
-    /// The lap without a drift of `rate`, and its end laid on its beginning.
-    fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> (Closure, Overlap) {
+    /// The lap without a drift of `rate`, its end laid on its beginning, and where the robot was then.
+    fn laid(
+        &self,
+        candidate: &Candidate,
+        rate: f64,
+        tracker: &Tracker,
+    ) -> (Closure, Overlap, Option<Placed>) {
         let (unwound, seen) = self.unwound(rate, tracker);
         let (mut from, mut to) = candidate.wound;
         let mut path = tracker.path();
@@ -213,9 +217,15 @@ impl Circuit {
         let pocket = self.pocket;
         let closure = Closure { from, to, side, drift: rate, last_round, pocket };
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
-        let before = candidate.looked.filter(|_| rate == candidate.rate);
+        // Where any drift may be, what is driven on bends with it.
+        let driven = tracker.travelled() - to.travelled;
+        let free = candidate.rate != 0.0;
+        let beyond = if free { (driven - AS_ONE).max(0.0) } else { 0.0 };
+        let led = candidate.looked.and_then(|looked| looked.led(&seen));
+        let before = led.map(|led| Before { led, beyond });
         let overlap = measure(&closure, &seen, &traverse, before);
-        (closure, overlap)
+        let looked = Placed::last(&seen, Led::by(&overlap));
+        (closure, overlap, looked)
     }
 
     /// The way of the robot, if there is any drift of `rate` to take out of it, and what it saw without

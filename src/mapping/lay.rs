@@ -2,15 +2,15 @@
 //! on an outline, as closely as they will go (iterated closest points, point to line). What does not
 //! fit is by how much the pose was off between the two.
 
+mod look;
+
+pub use look::Seen;
+
 use super::map::Misclosure;
 use super::survey::{Survey, Tie};
-use super::wall::Stretch;
-use crate::geometry::fit::Moments;
-use crate::geometry::{Point, Vector, cross, perp, rotate};
+use crate::geometry::{Point, Vector, perp, rotate};
+use look::{CONTACT_SD, Look, scatter, variance};
 use nalgebra::{Matrix3, Vector3};
-
-/// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
-const CONTACT_SD: f64 = 0.005;
 
 /// A direction (metres, radians) is seen when it moves a contact off its wall by at least this
 /// share of itself, root mean square: above what tangents through few contacts scatter by.
@@ -21,39 +21,10 @@ const OPEN_STEP: f64 = 0.04;
 /// Starts to either side at most.
 const MOST_STEPS: f64 = 25.0;
 
-/// Contacts that lie this close about a line or circle are one wall, metres; more when they scatter.
-const STRAIGHT: f64 = 0.003;
-/// A contact this near to another, or to a wall, is of it, metres; likewise.
-const BESIDE: f64 = 0.012;
+/// A contact this near to the stretch it lies on is of it, metres; more when they scatter.
 const ON_IT: f64 = 0.008;
-/// Contacts of one wall scatter no more than this about it, metres: what does is ragged.
-const MOST_SCATTER: f64 = 0.006;
 /// How well a contact holds on to another beside it where there is no stretch to lie on, metres.
 const HOLD: f64 = 0.02;
-/// Contacts of a ragged wall err together this far, metres, by so much of what they scatter.
-const TOGETHER: f64 = 0.075;
-const RAGGED: f64 = 1.0;
-/// How far around a contact its wall is looked for, metres: sparse on long straight walls.
-const NEIGHBOURS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
-/// Contacts that a stretch of wall rests on at least.
-const A_STRETCH: usize = 4;
-
-/// A place of a surface, and from which side it was seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
-    /// Where it is.
-    pub at: Point,
-    /// Towards the floor from which it was seen; of any length.
-    pub towards: Vector,
-}
-
-impl Seen {
-    /// What `other` saw may be the same surface: the two faces of a thin wall are not.
-    fn faces_as(&self, other: &Self) -> bool {
-        self.towards.dot(&other.towards) > 0.0
-    }
-}
-
 /// What the overlap says of a lap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
@@ -125,7 +96,8 @@ pub fn lay_as(
     doubt: (f64, f64),
 ) -> Overlap {
     let (scatter, variance) = doubt;
-    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, scatter, variance };
+    let early = Look { seen: early, scatter };
+    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, variance };
     let mut best = laid.closest(Vector3::zeros());
     for start in starts {
         let other = laid.closest(*start);
@@ -175,13 +147,11 @@ struct Fit {
 
 /// Two looks at the same wall.
 struct Laid<'a> {
-    early: &'a [Seen],
+    early: Look<'a>,
     late: &'a [Seen],
     centre: Point,
     prior: Matrix3<f64>,
     expected: Vector3<f64>,
-    /// Spread of contacts about the wall they are of, metres.
-    scatter: f64,
     /// What one of them says, among its neighbours: its variance, square metres.
     variance: f64,
 }
@@ -205,41 +175,6 @@ impl Laid<'_> {
             .collect()
     }
 
-    /// The early contact nearest to what was `seen`, when one is no farther than `near`, metres.
-    fn beside(&self, seen: &Seen, near: f64) -> Option<Point> {
-        let off = |early: &Seen| (early.at - seen.at).norm();
-        let facing = self.early.iter().filter(|early| early.faces_as(seen) && off(early) < near);
-        facing.min_by(|a, b| off(a).total_cmp(&off(b))).map(|early| early.at)
-    }
-
-    /// Whether what was `seen` lies between two early contacts next to each other: where a wall has corners
-    /// its contacts lie on no line, and a later one comes between them.
-    fn is_between(&self, seen: &Seen, near: f64) -> bool {
-        let facing = self.early.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
-        let close: Vec<Point> = facing.filter(|at| (at - seen.at).norm() < NEIGHBOURS[0]).collect();
-        close.iter().enumerate().any(|(k, a)| {
-            close[k + 1..].iter().any(|b| {
-                let along = b - a;
-                let length = along.norm();
-                if !(1e-6..NEIGHBOURS[0]).contains(&length) {
-                    return false;
-                }
-                let off = seen.at - a;
-                let share = along.dot(&off) / length;
-                (0.0..=length).contains(&share) && (cross(along, off) / length).abs() < near
-            })
-        })
-    }
-
-    /// Whether the early contacts close about what was `seen` lie on no line: they tell where along the wall
-    /// it is.
-    fn is_ragged(&self, seen: &Seen, straight: f64) -> bool {
-        let facing = self.early.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
-        let close: Vec<Point> = facing.filter(|at| (at - seen.at).norm() < NEIGHBOURS[0]).collect();
-        close.len() >= A_STRETCH
-            && Stretch::through(&close).is_some_and(|line| line.residual >= straight)
-    }
-
     /// The misclosure nearest to `start` that lays the late contacts on the early walls, and how
     /// many of them then agree.
     fn closest(&self, start: Vector3<f64>) -> Fit {
@@ -257,18 +192,16 @@ impl Laid<'_> {
             for seen in self.late {
                 let arm = rotate(seen.at - self.centre, -found.z);
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
-                let near = BESIDE.max(3.0 * self.scatter);
                 let placed = Seen { at: placed, ..*seen };
-                let beside = self.beside(&placed, near);
-                let straight = STRAIGHT.max(1.6 * self.scatter);
-                let Some(wall) = stretch_beside(self.early, &placed, straight) else {
+                let beside = self.early.beside(&placed);
+                let Some(wall) = self.early.stretch_beside(&placed) else {
                     // Ragged wall has no stretch to lie on; a contact where one was agrees too, and
                     // holds on to it where they are close together.
-                    let agrees = beside.is_some() || self.is_between(&placed, near);
+                    let agrees = beside.is_some() || self.early.is_between(&placed);
                     agreeing += usize::from(agrees);
                     known += usize::from(agrees);
                     let Some(beside) = beside else { continue };
-                    if !self.is_ragged(&placed, straight) {
+                    if !self.early.is_ragged(&placed) {
                         continue;
                     }
                     let off = placed.at - beside;
@@ -284,8 +217,9 @@ impl Laid<'_> {
                 let across = perp(wall.along);
                 let row = Vector3::new(across.x, across.y, across.dot(&perp(arm)));
                 let off = across.dot(&(placed.at - wall.at));
-                agreeing +=
-                    usize::from(beside.is_some() || off.abs() < ON_IT.max(2.5 * self.scatter));
+                agreeing += usize::from(
+                    beside.is_some() || off.abs() < ON_IT.max(2.5 * self.early.scatter),
+                );
                 // Huber's weight: a contact that belongs to another wall must not pull.
                 let weight = (2.0 / (off / CONTACT_SD).abs().max(2.0)) / self.variance;
                 normal += row * row.transpose() * weight;
@@ -325,66 +259,6 @@ fn well_seen(
         }
     }
     (seen, told)
-}
-
-/// How far contacts scatter about their walls, metres: the lower quartile of what short stretches do,
-/// since corners and ragged walls are no scatter.
-fn scatter(seen: &[Seen]) -> f64 {
-    const STRETCH: usize = 6;
-    let points: Vec<Point> = seen.iter().map(|seen| seen.at).collect();
-    let stretches = points.windows(STRETCH).filter_map(Stretch::through);
-    let mut residuals: Vec<f64> = stretches.map(|stretch| stretch.residual).collect();
-    residuals.sort_by(f64::total_cmp);
-    residuals.get(residuals.len() / 4).map_or(0.0, |residual| residual.min(MOST_SCATTER))
-}
-
-/// The variance of one of the contacts that were `seen` where they `scatter` about their walls: what a
-/// ragged wall is off its stretches by, a switch finds again with every beam that passes there.
-fn variance(seen: &[Seen], scatter: f64) -> f64 {
-    let near = |a: &Seen| seen.iter().filter(|b| (b.at - a.at).norm() < TOGETHER).count();
-    let neighbours = seen.iter().map(near).sum::<usize>() as f64 / seen.len().max(1) as f64;
-    CONTACT_SD.powi(2) + neighbours * (RAGGED * scatter).powi(2)
-}
-
-/// The straight stretch of early wall on which what was `seen` lies: through its neighbours, as near as
-/// there are enough of them.
-fn stretch_beside(walls: &[Seen], seen: &Seen, tolerance: f64) -> Option<Stretch> {
-    let point = seen.at;
-    let facing: Vec<Point> =
-        walls.iter().filter(|wall| wall.faces_as(seen)).map(|wall| wall.at).collect();
-    NEIGHBOURS.iter().find_map(|reach| {
-        let near: Vec<Point> =
-            facing.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
-        if near.len() < A_STRETCH {
-            return None;
-        }
-        let straight = Stretch::through(&near)?;
-        let local =
-            if straight.residual < tolerance { straight } else { bent(&near, point, tolerance)? };
-        let along = |p: Point| local.along.dot(&(p - local.at));
-        let (low, high) =
-            near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-                (low.min(along(p)), high.max(along(p)))
-            });
-        // Beyond what was seen the wall may do anything.
-        let within = (low - 0.015..=high + 0.015).contains(&along(point));
-        (within && high - low > 0.05).then_some(local)
-    })
-}
-
-/// The tangent, nearest to `point`, of the circle through `near`; none when they lie on none.
-fn bent(near: &[Point], point: Point, tolerance: f64) -> Option<Stretch> {
-    let circle = Moments::of(near).circle()?;
-    let off = |p: &Point| (p - circle.center).norm() - circle.radius;
-    let count = near.len() as f64;
-    let residual = (near.iter().map(|p| off(p).powi(2)).sum::<f64>() / count).sqrt();
-    let outward = (point - circle.center).try_normalize(1e-9)?;
-    let on_circle = near.len() >= 5 && residual < tolerance && circle.radius > 0.3;
-    on_circle.then(|| Stretch {
-        at: circle.center + outward * circle.radius,
-        along: perp(outward),
-        residual,
-    })
 }
 
 #[cfg(test)]
@@ -429,5 +303,42 @@ mod tests {
         let alone = laid(&lower, &upper);
         assert_eq!(alone.known, 0, "{alone:?}");
         assert!(alone.misclosure.dy.abs() < 1e-9, "{:?}", alone.misclosure);
+    }
+
+    #[test]
+    fn a_bump_too_small_for_a_stretch_tells_where_along_a_wall_the_robot_is() {
+        // A wedge of 5 cm on a straight wall; the second look saw it at other places.
+        let wall = |step: f64, by: Vector| -> Vec<Seen> {
+            let flat = (0..60).map(|k| f64::from(k) * 0.05).filter(|x| (x - 1.5).abs() > 0.06);
+            let bump = (0..30).map(|k| 1.44 + f64::from(k) * step).take_while(|x| *x < 1.56);
+            flat.chain(bump)
+                .map(|x| {
+                    let y = (0.05 - (x - 1.5).abs()).max(0.0);
+                    Seen { at: Point::new(x, y) + by, towards: Vector::y() }
+                })
+                .collect()
+        };
+        let off = Vector::new(0.11, 0.004);
+        let (early, late) = (wall(0.011, Vector::zeros()), wall(0.008, off));
+        let prior = (Matrix3::identity(), Vector3::zeros());
+        let starts: Vec<Vector3<f64>> =
+            (1..5).map(|k| Vector3::x() * f64::from(k) * 0.05).collect();
+        let overlap = lay(&early, &late, Point::origin(), prior, &starts);
+        let found = overlap.misclosure;
+        assert!((found.dx - off.x).abs() < 0.01 && (found.dy - off.y).abs() < 2e-3, "{found:?}");
+        assert!(overlap.share > 0.95, "{}", overlap.share);
+    }
+
+    #[test]
+    fn contacts_between_those_of_a_corner_agree() {
+        // The end of a board: faces shorter than any stretch, met at other places the second time.
+        let corner = |shift: f64| -> Vec<Seen> {
+            let along = (0..4).map(|k| Point::new(0.0, f64::from(k) * 0.02 + shift));
+            let across = (0..4).map(|k| Point::new(f64::from(k) * 0.02 + shift, 0.08));
+            let towards = Vector::new(-1.0, 1.0);
+            along.chain(across).map(|at| Seen { at, towards }).collect()
+        };
+        let overlap = laid(&corner(0.0), &corner(0.01));
+        assert!(overlap.share > 0.85, "{}", overlap.share);
     }
 }

@@ -239,19 +239,24 @@ mod tests {
         seen
     }
 
-    #[test]
-    fn a_long_overlap_with_drift_in_it_lies_on_the_beginning_in_pieces_only() {
-        let (lap, drift) = (150.0, 0.003);
-        let mut seen = look(0.0, 0.0);
-        seen.extend(look(lap, drift));
+    /// A lap of that length that ended where it began.
+    fn closure(lap: f64) -> Closure {
         let anchor = |travelled: f64| {
             let pose = Pose::new(0.0, 0.15, 0.0);
             Anchor { pose, heading: 0.0, travelled, time_us: (travelled.max(0.0) * 1e6) as u64 }
         };
         let (from, to) = (anchor(-0.01), anchor(lap - 0.01));
         let (side, last_round) = (Side::Right, from.travelled);
-        let closure = Closure { from, to, side, drift: 0.0, last_round, pocket: None };
-        let begun = Led { centre: to.pose.position, off: Vector3::zeros() };
+        Closure { from, to, side, drift: 0.0, last_round, pocket: None }
+    }
+
+    #[test]
+    fn a_long_overlap_with_drift_in_it_lies_on_the_beginning_in_pieces_only() {
+        let (lap, drift) = (150.0, 0.003);
+        let mut seen = look(0.0, 0.0);
+        seen.extend(look(lap, drift));
+        let closure = closure(lap);
+        let begun = Led::of(closure.to.pose.position, Vector3::zeros());
         let (as_one, _) = lead_on(&closure, &seen, 0.0, begun);
         assert!(as_one.agreement < 0.8, "as one it agrees to {}", as_one.agreement);
         let mut led = begun;
@@ -266,5 +271,41 @@ mod tests {
         // The last piece is turned by what the gyro drifted until the middle of it.
         let turned = drift * (LENGTH - 3.0);
         assert!((led.off.z - turned).abs() < 0.004, "{} not {turned}", led.off.z);
+    }
+
+    #[test]
+    fn the_pieces_say_by_how_much_the_pose_was_off_at_each_place() {
+        let (lap, drift) = (150.0, 0.006);
+        let mut seen = look(0.0, 0.0);
+        seen.extend(look(lap, drift).into_iter().filter(|seen| seen.travelled < lap + 6.0));
+        let closure = closure(lap);
+        let begun = Led::of(closure.to.pose.position, Vector3::zeros());
+        let (overlap, _) = lead_on(&closure, &seen, 0.0, begun);
+        let pieces = pieces(&closure, &seen, &overlap);
+        assert!(pieces.len() >= 5, "{} pieces of 6 m", pieces.len());
+        for piece in &pieces {
+            let there = piece.late_us as f64 * 1e-6 - lap;
+            let turned = piece.laid.found.z;
+            let (as_one, off) = (overlap.found.z - drift * there, turned - drift * there);
+            assert!(off.abs() < 0.004 + 0.3 * as_one.abs(), "{turned} at {there} m");
+            let late_by = (piece.late_us as f64 - piece.early_us as f64) * 1e-6 - lap;
+            assert!(late_by.abs() < 0.3, "laid {late_by} m off where it was");
+        }
+    }
+
+    #[test]
+    fn where_the_robot_was_holds_whatever_drift_is_taken_out() {
+        let seen = look(0.0, 0.002);
+        let led = Led::of(Point::new(1.0, 0.3), Vector3::new(0.04, -0.02, 0.03));
+        let placed = Placed::last(&seen, led).expect("something was seen");
+        let again = placed.led(&seen).expect("it was seen").at(Point::origin());
+        assert!((again - led.at(Point::origin())).norm() < 1e-9, "{again}");
+        // Turned and moved as one, what was seen is led to the same place.
+        let moved: Vec<Sighting> = look(0.0, 0.0);
+        let last = moved.last().expect("something was seen").pose;
+        let off = placed.led(&moved).expect("it was seen").at(last.position);
+        let there = last.position - Vector::new(off.x, off.y);
+        assert!((there - placed.pose.position).norm() < 1e-9, "{there}");
+        assert!((last.heading - off.z - placed.pose.heading).abs() < 1e-9);
     }
 }

@@ -1,7 +1,8 @@
 //! Taking the misclosure of a lap out of it, as surveyors do with a closed traverse.
 //!
 //! The stretch that was driven twice is laid on itself: contacts of the overlap against the walls
-//! made by the first contacts. What does not fit is the misclosure. It is spread over the lap by
+//! made by the first contacts, as one to know the place, then piece by piece (see `piece`). What does
+//! not fit is the misclosure. It is spread over the lap by
 //! least squares: heading errs by drift and random walk with time, position with distance and with
 //! the heading before it (see `survey`); measured better than angles first and Bowditch after.
 
@@ -20,8 +21,8 @@ use crate::geometry::{Point, Pose, Ring, Vector, angle, cross, perp};
 use nalgebra::{Matrix3, Vector3};
 use piece::{STRETCHED, pieces};
 
-/// An overlap of which less than this share agrees, by a length of no more metres, is looked at all along the wall, in
-/// steps of so many metres to either side.
+/// An overlap of which less than this share agrees, by a length of no more metres, is looked at all along
+/// the wall, in steps of so many metres to either side.
 const DOUBTFUL: f64 = 0.9;
 const FEATURES: f64 = 7.0;
 const NOTCH: f64 = 0.05;

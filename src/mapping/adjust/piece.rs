@@ -173,7 +173,7 @@ impl Piece {
 pub(super) fn pieces(closure: &Closure, seen: &[Sighting], overlap: &Overlap) -> Vec<Piece> {
     let driven = driven_beyond(closure, seen);
     let (mut pieces, mut known) = (Vec::new(), 0);
-    // From where it was laid, onward and back.
+    // From where it was laid, about its first contact or the end of the lap, onward and back.
     let there = seen.iter().rev().find(|seen| (seen.point - overlap.centre).norm() < 1e-9);
     let there = there.map_or(0.0, |there| there.travelled - closure.to.travelled).max(0.0);
     for (start, back) in [(there, false), (there, true)] {

@@ -2,24 +2,24 @@
 //!
 //! The stretch that was driven twice is laid on itself: contacts of the overlap against the walls
 //! made by the first contacts, as one to know the place, then piece by piece (see `piece`). What does
-//! not fit is the misclosure. It is spread over the lap by
-//! least squares: heading errs by drift and random walk with time, position with distance and with
-//! the heading before it (see `survey`); measured better than angles first and Bowditch after.
+//! not fit is the misclosure. It is spread over the lap by least squares: heading errs by drift and
+//! random walk with time, position with distance and with the heading before it (see `survey`); measured
+//! better than angles first and Bowditch after. Whether it is a lap at all is not known here.
 
 mod piece;
 
 pub use piece::{Led, Placed, lead_on};
 
 use super::circuit::Closure;
-use super::lay::{Overlap, Seen, lay};
+use super::lay::{Overlap, Seen, about, lay};
 use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie};
 use super::wall::{Sighting, Stretch, Wall};
-use crate::geometry::{Point, Pose, Ring, Vector, angle, cross, perp};
+use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
-use piece::{STRETCHED, pieces};
+use piece::{STRETCHED, driven_beyond, pieces};
 
 /// An overlap of which less than this share agrees, by a length of no more metres, is looked at all along
 /// the wall, in steps of so many metres to either side.
@@ -54,7 +54,7 @@ pub fn measure(
     before: Option<Before>,
 ) -> Overlap {
     let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
-    let overlap = 0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled;
+    let overlap = driven_beyond(closure, sightings);
     let beyond = before.map_or(0.0, |before| before.beyond);
     // What lies far beyond the end of the lap may have been come by sooner or later.
     let sooner = if beyond > 0.0 { STRETCHED * beyond + OFF_ALONG } else { 0.0 };
@@ -68,7 +68,7 @@ pub fn measure(
     let lap = closure.length();
     let far = late.first().filter(|_| beyond > 0.0);
     let centre = far.map_or(end.position, |first| first.at);
-    let (prior, expected) = about(traverse.prior(), centre - end.position);
+    let (prior, expected) = about(traverse.prior(), end.position, centre);
     let shift = end.position - closure.from.pose.position;
     let turn = angle::wrap(end.heading - closure.from.pose.heading);
     // The robot follows the same wall at about the same gap and heading, so where it is now is one
@@ -101,19 +101,6 @@ pub fn measure(
     let off = Led::by(&laid).at(end.position);
     laid.misclosure = Misclosure { dx: off.x, dy: off.y, heading: off.z, lap };
     laid
-}
-
-/// What is known of (dx, dy, heading) about a point, information and right-hand side, about another that
-/// lies `arm` away.
-fn about(
-    (information, right): (Matrix3<f64>, Vector3<f64>),
-    arm: Vector,
-) -> (Matrix3<f64>, Vector3<f64>) {
-    // Turning by the heading moves the other point across the arm.
-    let mut back = Matrix3::identity();
-    back[(0, 2)] = -perp(arm).x;
-    back[(1, 2)] = -perp(arm).y;
-    (back.transpose() * information * back, back.transpose() * right)
 }
 
 /// Knots of a lap at most.

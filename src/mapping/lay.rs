@@ -1,6 +1,7 @@
 //! How one look at a wall lies on another: contacts that came late, laid on those that came first, or
 //! on an outline, as closely as they will go (iterated closest points, point to line). What does not
-//! fit is by how much the pose was off between the two.
+//! fit is by how much the pose was off between the two. It refuses to know of laps, and of when what was
+//! seen; what a contact lies on is `look`'s.
 
 mod look;
 
@@ -25,6 +26,7 @@ const MOST_STEPS: f64 = 25.0;
 const ON_IT: f64 = 0.008;
 /// How well a contact holds on to another beside it where there is no stretch to lie on, metres.
 const HOLD: f64 = 0.02;
+
 /// What the overlap says of a lap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
@@ -60,13 +62,25 @@ impl Overlap {
     /// Tells `survey` that knot `late`, at `at`, lies on the place of knot `early`, a lap before, but
     /// for what the overlap measured.
     pub fn close(&self, survey: &mut Survey, early: &Tie, late: &Tie, at: Point) {
-        let arm = perp(self.centre - at);
-        let mut moved = Matrix3::identity();
-        moved[(0, 2)] = arm.x;
-        moved[(1, 2)] = arm.y;
-        let about = moved.transpose();
-        survey.close(early, late, &(about * self.normal * moved), &(about * self.right));
+        let (normal, right) = about((self.normal, self.right), self.centre, at);
+        survey.close(early, late, &normal, &right);
     }
+}
+
+/// What is known of (dx, dy, heading), information and right-hand side, where the heading turns about
+/// `centre`: the same where it turns about `at`.
+#[must_use]
+pub fn about(
+    (information, right): (Matrix3<f64>, Vector3<f64>),
+    centre: Point,
+    at: Point,
+) -> (Matrix3<f64>, Vector3<f64>) {
+    let arm = perp(centre - at);
+    let mut moved = Matrix3::identity();
+    moved[(0, 2)] = arm.x;
+    moved[(1, 2)] = arm.y;
+    let about = moved.transpose();
+    (about * information * moved, about * right)
 }
 
 /// How contacts that came `late` lie on a wall known by `early` points: by how much they are off it,
@@ -241,9 +255,9 @@ impl Laid<'_> {
     }
 }
 
-/// The same equations without the directions that contacts of so much `information` hardly speak of. Along a straight
-/// wall, or about the centre of an arc, nothing but the scatter of the tangents is left, and that
-/// must not outvote what the gyro and the wheels are known to keep to.
+/// The same equations without the directions that contacts of so much `information` (inverse square metres)
+/// hardly speak of. Along a straight wall, or about the centre of an arc, nothing but the scatter of the
+/// tangents is left, and that must not outvote what the gyro and the wheels are known to keep to.
 fn well_seen(
     normal: &Matrix3<f64>,
     right: &Vector3<f64>,

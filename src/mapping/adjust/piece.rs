@@ -1,13 +1,13 @@
 //! An overlap piece by piece. While the robot drives on beyond the crossing its gyro drifts on, as it
 //! did on the beginning: what is some metres long lies there as one only in the mean. Laid in short
-//! pieces it says what the pose was off at each place.
+//! pieces it says what the pose was off at each place. What the survey makes of that is not known here.
 
-use super::super::circuit::Closure;
-use super::super::lay::{Overlap, Seen, lay, lay_as};
-use super::super::map::ContactKind;
-use super::super::survey::Survey;
-use super::super::wall::Sighting;
 use crate::geometry::{Point, Pose, Vector, angle, rotate};
+use crate::mapping::circuit::Closure;
+use crate::mapping::lay::{Overlap, Seen, lay, lay_as};
+use crate::mapping::map::ContactKind;
+use crate::mapping::survey::Survey;
+use crate::mapping::wall::Sighting;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -105,7 +105,7 @@ pub fn lead_on(closure: &Closure, sightings: &[Sighting], beyond: f64, led: Led)
 }
 
 /// How far was driven after the end of the lap, metres, and a little more.
-fn driven_beyond(closure: &Closure, sightings: &[Sighting]) -> f64 {
+pub(super) fn driven_beyond(closure: &Closure, sightings: &[Sighting]) -> f64 {
     0.05 + sightings.last().map_or(0.0, |s| s.travelled) - closure.to.travelled
 }
 
@@ -202,9 +202,9 @@ pub(super) fn pieces(closure: &Closure, seen: &[Sighting], overlap: &Overlap) ->
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::circuit::Anchor;
-    use super::super::super::follow::Side;
     use super::*;
+    use crate::mapping::circuit::Anchor;
+    use crate::mapping::follow::Side;
 
     /// How long the wall is that both looks are of, metres.
     const LENGTH: f64 = 14.0;

@@ -1,6 +1,6 @@
 //! What was seen of a wall in one look, and what a contact of another look lies on there: a stretch of
 //! it, straight or bent; between two of its contacts, where it has corners; beside one of them, where it
-//! is ragged.
+//! is ragged. It refuses to know why the two looks differ.
 
 use crate::geometry::fit::Moments;
 use crate::geometry::{Point, Vector, cross, perp};
@@ -10,7 +10,7 @@ use crate::mapping::wall::Stretch;
 pub(super) const CONTACT_SD: f64 = 0.005;
 /// Contacts that lie this close about a line or circle are one wall, metres; more when they scatter.
 const STRAIGHT: f64 = 0.003;
-/// A contact this near to another, or to a wall, is of it, metres; likewise.
+/// A contact this near to another is of the same place, metres; more when they scatter.
 const BESIDE: f64 = 0.012;
 /// Contacts of one wall scatter no more than this about it, metres: what does is ragged.
 const MOST_SCATTER: f64 = 0.006;
@@ -57,6 +57,12 @@ impl Look<'_> {
         STRAIGHT.max(1.6 * self.scatter)
     }
 
+    /// The contacts that may be of the surface that was `seen`, no farther from it than `reach`, metres.
+    fn about(&self, seen: &Seen, reach: f64) -> Vec<Point> {
+        let facing = self.seen.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
+        facing.filter(|at| (at - seen.at).norm() < reach).collect()
+    }
+
     /// The contact nearest to what was `seen` later, when one lies beside it.
     pub(super) fn beside(&self, seen: &Seen) -> Option<Point> {
         let near = self.near();
@@ -69,8 +75,7 @@ impl Look<'_> {
     /// its contacts lie on no line, and a later one comes between them.
     pub(super) fn is_between(&self, seen: &Seen) -> bool {
         let near = self.near();
-        let facing = self.seen.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
-        let close: Vec<Point> = facing.filter(|at| (at - seen.at).norm() < NEIGHBOURS[0]).collect();
+        let close = self.about(seen, NEIGHBOURS[0]);
         close.iter().enumerate().any(|(k, a)| {
             close[k + 1..].iter().any(|b| {
                 let along = b - a;
@@ -88,8 +93,7 @@ impl Look<'_> {
     /// Whether the contacts close about what was `seen` lie on no line: they tell where along the wall
     /// it is.
     pub(super) fn is_ragged(&self, seen: &Seen) -> bool {
-        let facing = self.seen.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
-        let close: Vec<Point> = facing.filter(|at| (at - seen.at).norm() < NEIGHBOURS[0]).collect();
+        let close = self.about(seen, NEIGHBOURS[0]);
         close.len() >= A_STRETCH
             && Stretch::through(&close).is_some_and(|line| line.residual >= self.straight())
     }
@@ -99,11 +103,8 @@ impl Look<'_> {
     pub(super) fn stretch_beside(&self, seen: &Seen) -> Option<Stretch> {
         let tolerance = self.straight();
         let point = seen.at;
-        let facing: Vec<Point> =
-            self.seen.iter().filter(|wall| wall.faces_as(seen)).map(|wall| wall.at).collect();
         NEIGHBOURS.iter().find_map(|reach| {
-            let near: Vec<Point> =
-                facing.iter().copied().filter(|p| (p - point).norm() < *reach).collect();
+            let near = self.about(seen, *reach);
             if near.len() < A_STRETCH {
                 return None;
             }

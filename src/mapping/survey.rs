@@ -14,6 +14,7 @@
 mod balance;
 mod motion;
 mod sight;
+mod sureness;
 #[cfg(test)]
 mod tests;
 
@@ -24,7 +25,7 @@ pub use sight::{Look, Surface};
 use super::calibration::Measured;
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
@@ -292,30 +293,6 @@ impl Survey {
         })
     }
 
-    /// One standard deviation, in its worse direction, of the robot's position, believed to be `at`,
-    /// beside the part of the survey nearest to it, metres. What the whole survey is turned and
-    /// shifted by does not count.
-    #[must_use]
-    pub fn looseness(&self, at: Point) -> f64 {
-        let nearest =
-            self.knots.iter().enumerate().min_by(|a, b| {
-                (a.1.at - at).norm_squared().total_cmp(&(b.1.at - at).norm_squared())
-            });
-        let Some((index, knot)) = nearest else { return self.position_sd() };
-        let start = FIRST_KNOT + 3 * index;
-        let lever = perp(at - knot.at);
-        let rows: [[(usize, f64); 3]; 2] = [
-            [(POSE, 1.0), (start, -1.0), (start + 2, -lever.x)],
-            [(POSE + 1, 1.0), (start + 1, -1.0), (start + 2, -lever.y)],
-        ];
-        let c = |i: usize, j: usize| {
-            let terms =
-                rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
-            terms.map(|(k, l, weight)| self.entry(k, l) * weight).sum::<f64>()
-        };
-        worse(c(0, 0), c(0, 1), c(1, 1))
-    }
-
     /// The misclosure (dx, dy, heading) between two knots that what is known so far leads to expect.
     #[must_use]
     pub fn misclosure(&self, early: &Tie, late: &Tie) -> Vector3<f64> {
@@ -418,53 +395,4 @@ impl Survey {
         // A rank-one downdate keeps the matrix symmetric to the last bit.
         self.covariance.ger(-1.0 / spread, &cross, &cross, 1.0);
     }
-
-    /// One standard deviation of the robot's position in its worse direction, metres.
-    #[must_use]
-    pub fn position_sd(&self) -> f64 {
-        self.worst(POSE)
-    }
-
-    /// One standard deviation of the position of what hangs on a tie, in its worse direction,
-    /// metres.
-    #[must_use]
-    pub fn sd_of(&self, tie: &Tie) -> f64 {
-        let of = |index: usize| self.worst(FIRST_KNOT + 3 * index);
-        of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
-    }
-
-    fn worst(&self, row: usize) -> f64 {
-        let c = |i: usize, j: usize| self.covariance[(row + i, row + j)];
-        worse(c(0, 0), c(0, 1), c(1, 1))
-    }
-
-    /// Covariance of the place `point` that hangs on `tie`, x and y, square metres.
-    #[must_use]
-    pub fn spread_at(&self, point: Point, tie: &Tie) -> Matrix2<f64> {
-        let mut rows: [Vec<(usize, f64)>; 2] = [Vec::with_capacity(4), Vec::with_capacity(4)];
-        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
-            let Some(knot) = self.knots.get(index) else { continue };
-            let (start, arm) = (FIRST_KNOT + 3 * index, perp(point - knot.at));
-            rows[0].extend([(start, share), (start + 2, share * arm.x)]);
-            rows[1].extend([(start + 1, share), (start + 2, share * arm.y)]);
-        }
-        Matrix2::from_fn(|i, j| {
-            let terms = rows[i].iter().flat_map(|(k, v)| {
-                rows[j].iter().map(move |(l, w)| self.covariance[(*k, *l)] * v * w)
-            });
-            terms.sum()
-        })
-    }
-
-    /// One standard deviation of the heading, radians.
-    #[must_use]
-    pub fn heading_sd(&self) -> f64 {
-        self.covariance[(POSE + 2, POSE + 2)].max(0.0).sqrt()
-    }
-}
-
-/// Standard deviation along the longer axis of the ellipse of a plane covariance.
-fn worse(xx: f64, xy: f64, yy: f64) -> f64 {
-    let (middle, spread) = (f64::midpoint(xx, yy), angle::hypot((xx - yy) / 2.0, xy));
-    (middle + spread).max(0.0).sqrt()
 }

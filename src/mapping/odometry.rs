@@ -180,6 +180,13 @@ impl Tracker {
         self.fixed.since = begun;
     }
 
+    /// Moves the believed pose by what wheels and gyro, weighed against each other, say of it. No more
+    /// than the gyro errs by in a few metres: the trajectory stays where it is.
+    pub fn nudge(&mut self, to: Pose) {
+        self.heading += angle::wrap(to.heading - self.heading);
+        self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
+    }
+
     /// All that was driven since place `since` of the trajectory was believed in a frame of its own, and
     /// `onto` takes it to the map; the robot had been carried there.
     pub fn carry(&mut self, since: usize, onto: &Pose) {

@@ -183,12 +183,18 @@ impl Tour {
     /// The pose corrected by a contact with something mapped; none when it is nothing mapped.
     pub fn fix(&mut self, survey: &mut Survey, pose: Pose, seen: &Sighting) -> Option<Pose> {
         // What is being gone round has a misclosure of its own, measured at its end.
-        if matches!(self.doing, Doing::Rounding(_) | Doing::Passing { .. }) {
+        if self.goes_round() {
             return None;
         }
         let fixed = self.chart.fix(survey, pose, seen)?;
         self.fixed_by = Some(seen.time_us);
         Some(fixed)
+    }
+
+    /// Whether something is being gone round, whose contacts must hang together.
+    #[must_use]
+    pub fn goes_round(&self) -> bool {
+        matches!(self.doing, Doing::Rounding(_) | Doing::Passing { .. })
     }
 
     /// The mapped surfaces and what they hang on.

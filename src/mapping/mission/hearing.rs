@@ -98,7 +98,7 @@ impl Mission {
         let (before, time) = (self.tracker.pose(), self.tracker.time_us());
         let rested = self.tracker.rested_us();
         let spun = self.tracker.spun();
-        let pose = self.tracker.advance(odometer, self.phase);
+        let mut pose = self.tracker.advance(odometer, self.phase);
         let rested = self.tracker.rested_us() - rested;
         if let Some((seconds, rate)) = self.tracker.take_drift() {
             self.survey.rest(seconds, rate);
@@ -113,6 +113,11 @@ impl Mission {
                 spun: (spun, self.tracker.spun()),
             };
             self.survey.predict(&step);
+            let goes_round = matches!(&self.task, Task::Tour(tour) if tour.goes_round());
+            if !goes_round {
+                pose = self.survey.take_pose(pose);
+                self.tracker.nudge(pose);
+            }
         }
         // Who is not listened to proves nothing by being open either.
         let closed = self.closed.union(self.trust.out());

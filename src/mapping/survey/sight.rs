@@ -100,8 +100,9 @@ impl Survey {
         let arm = contact - pose.position;
         let mut row =
             vec![(POSE, normal.x), (POSE + 1, normal.y), (POSE + 2, normal.dot(&perp(arm)))];
+        // What is known of the pose beyond what was handed out, the contact moves with already.
+        let off = normal.dot(&(contact - surface.at)) + self.expected(&row);
         row.extend(self.across(surface, normal, -1.0));
-        let off = normal.dot(&(contact - surface.at));
         let variance = CONTACT_SD.max(surface.sd).powi(2);
         let spread = self.spread(&row) + variance;
         if off * off > GATE * GATE * spread || off.abs() > surface.within {

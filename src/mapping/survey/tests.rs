@@ -134,6 +134,30 @@ fn on_long_legs_the_wheels_are_believed_once_they_agree_with_each_other() {
 }
 
 #[test]
+fn a_touch_counts_what_the_wheels_have_put_right_before_it() {
+    let mut survey = Survey::new(TICK);
+    survey.rest(1e5, 0.0);
+    let begin = survey.mark(Point::origin(), 0);
+    let mut pose = Pose::new(0.0, 0.0, 0.0);
+    for leg in 0..24 {
+        let wander = if leg % 2 == 0 || leg > 16 { 0.003 } else { -0.003 };
+        let end = drive(&mut survey, pose, 4.0, wander, 0.0);
+        pose = turn(&mut survey, end);
+    }
+    // A wall, just where it is seen from the pose that is not put right yet.
+    let put_right = survey.clone().take_pose(pose).position - pose.position;
+    let normal = put_right.normalize();
+    assert!(put_right.norm() > 0.005, "{put_right}");
+    let contact = pose.position + normal * 0.16;
+    let surface = Surface { at: contact, normal, tie: begin, sd: 0.002, within: 0.15 };
+    let fixed = survey.touch(pose, contact, &surface).expect("near enough");
+    // The contact lies on the wall, wherever that is believed by now.
+    let seen = fixed.to_world(pose.to_local(contact));
+    let off = normal.dot(&(seen - contact - survey.displacement(contact, &begin)));
+    assert!(off.abs() < 0.002, "{off}");
+}
+
+#[test]
 fn a_gyro_that_never_disagrees_with_the_wheels_is_better_than_its_datasheet() {
     // Steps of 0.25 s, each off to one side or the other by the same: a random walk.
     let walk = |wander: f64| {

@@ -25,11 +25,9 @@ const MOST_KNOWN: f64 = 0.5;
 /// What is seen from more askance than this (cosine) is not of the surface.
 const LEAST_INCIDENCE: f64 = 0.5;
 
-/// How far from something mapped a contact made from `at` may be and still be of it, metres: the less is
-/// known of the pose, the farther.
-#[must_use]
-pub fn tolerance(survey: &Survey, at: Point) -> f64 {
-    (DEVIATIONS * survey.looseness(at)).clamp(KNOWN, MOST_KNOWN)
+/// How far from `place`, which hangs on `tie`, a contact may be and still be of it, metres.
+fn tolerance(survey: &Survey, place: Point, tie: &Tie) -> f64 {
+    (DEVIATIONS * survey.looseness(place, tie)).clamp(KNOWN, MOST_KNOWN)
 }
 
 /// One ring as it was fitted, what it hangs on, and where it is now.
@@ -116,6 +114,20 @@ impl Chart {
         best
     }
 
+    /// How far from what is charted nearest to `p`, on the boundary or on object `whose`, a contact may be
+    /// and still be of it, metres: the less is known of the pose beside it, the farther.
+    #[must_use]
+    pub fn tolerance(&self, survey: &Survey, p: Point, whose: Option<usize>) -> f64 {
+        let charted = &self.rings[whose.map_or(0, |index| index + 1)];
+        tolerance(survey, p, &self.tie(charted, survey, p))
+    }
+
+    /// One standard deviation of the robot's position beside the boundary nearest to `p`, metres.
+    #[must_use]
+    pub fn looseness(&self, survey: &Survey, p: Point) -> f64 {
+        survey.looseness(p, &self.tie(&self.rings[0], survey, p))
+    }
+
     /// What the charted surface nearest to `p` hangs on; none without surfaces.
     #[must_use]
     pub fn tie_at(&self, survey: &Survey, p: Point) -> Option<Tie> {
@@ -181,9 +193,10 @@ impl Chart {
         if seen.kind != ContactKind::Range {
             return None;
         }
-        let within = tolerance(survey, pose.position);
-        let surface = self.surface_at(survey, seen.point, seen.pose.position, within)?;
-        survey.touch(pose, seen.point, &surface)
+        let surface = self.surface_at(survey, seen.point, seen.pose.position, MOST_KNOWN)?;
+        let within = tolerance(survey, surface.at, &surface.tie);
+        let near = (seen.point - surface.at).norm() < within;
+        near.then(|| survey.touch(pose, seen.point, &Surface { within, ..surface }))?
     }
 
     fn tie(&self, charted: &Charted, survey: &Survey, nominal: Point) -> Tie {

@@ -6,22 +6,17 @@ use crate::geometry::{Point, angle, perp};
 use nalgebra::Matrix2;
 
 impl Survey {
-    /// One standard deviation, in its worse direction, of the robot's position, believed to be `at`,
-    /// beside the part of the survey nearest to it, metres. What the whole survey is turned and
-    /// shifted by does not count.
+    /// One standard deviation, in its worse direction, of the robot's position beside `place`, which hangs
+    /// on `tie`, metres. What both are off by together does not count.
     #[must_use]
-    pub fn looseness(&self, at: Point) -> f64 {
-        let nearest =
-            self.knots.iter().enumerate().min_by(|a, b| {
-                (a.1.at - at).norm_squared().total_cmp(&(b.1.at - at).norm_squared())
-            });
-        let Some((index, knot)) = nearest else { return self.position_sd() };
-        let start = FIRST_KNOT + 3 * index;
-        let lever = perp(at - knot.at);
-        let rows: [[(usize, f64); 3]; 2] = [
-            [(POSE, 1.0), (start, -1.0), (start + 2, -lever.x)],
-            [(POSE + 1, 1.0), (start + 1, -1.0), (start + 2, -lever.y)],
-        ];
+    pub fn looseness(&self, place: Point, tie: &Tie) -> f64 {
+        let mut rows = [vec![(POSE, 1.0)], vec![(POSE + 1, 1.0)]];
+        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
+            let Some(knot) = self.knots.get(index) else { continue };
+            let (start, arm) = (FIRST_KNOT + 3 * index, perp(place - knot.at));
+            rows[0].extend([(start, -share), (start + 2, -share * arm.x)]);
+            rows[1].extend([(start + 1, -share), (start + 2, -share * arm.y)]);
+        }
         let c = |i: usize, j: usize| {
             let terms =
                 rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));

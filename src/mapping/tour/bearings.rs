@@ -106,7 +106,7 @@ impl Tour {
         if driven < BETWEEN {
             return None;
         }
-        let sd = scene.survey.looseness(scene.tracker.pose().position);
+        let sd = self.chart.looseness(scene.survey, scene.tracker.pose().position);
         if sd < if self.suspended.is_some() { LOOSE_ON_LINE } else { LOOSE } {
             return None;
         }

@@ -4,10 +4,10 @@
 use super::drive::{Aim, Drive, Purpose};
 use super::{Doing, MOST_BUMPS, REACHED, ROOM, Scene, Tour, finish};
 use crate::geometry::{Point, angle};
-use crate::mapping::chart::tolerance;
 use crate::mapping::event::EventKind;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
 use crate::mapping::map::{LineReason, LineStatus};
+use crate::mapping::survey::Survey;
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 use std::collections::VecDeque;
 
@@ -23,18 +23,14 @@ impl Tour {
                 if let Some(seen) =
                     self.wall.log().iter().rev().find(|s| s.sensor == Some(sensor)).copied()
                 {
-                    let within = tolerance(scene.survey, scene.rest.pose.position);
                     let fixed = self.fixed_by == Some(seen.time_us);
-                    match self.chart.distance(seen.point) {
-                        (distance, None) if fixed || distance < within => {
-                            scene.tell.push(EventKind::NearBoundary);
-                        }
-                        (distance, Some(_)) if fixed || distance < within => {}
-                        _ => {
-                            let name = self.chassis.sensors[sensor].name.clone();
-                            let bearing = self.chassis.sensors[sensor].angle;
-                            return self.meet(drive, seen, bearing, name, scene);
-                        }
+                    if !fixed && !self.is_charted(scene.survey, seen.point) {
+                        let name = self.chassis.sensors[sensor].name.clone();
+                        let bearing = self.chassis.sensors[sensor].angle;
+                        return self.meet(drive, seen, bearing, name, scene);
+                    }
+                    if self.chart.distance(seen.point).1.is_none() {
+                        scene.tell.push(EventKind::NearBoundary);
                     }
                 }
             }
@@ -42,8 +38,7 @@ impl Tour {
                 drive.bumps += 1;
                 let seen = self.wall.log().last().copied();
                 if let Some(seen) = seen
-                    && self.chart.distance(seen.point).0
-                        > tolerance(scene.survey, scene.rest.pose.position)
+                    && !self.is_charted(scene.survey, seen.point)
                 {
                     return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
                 }
@@ -89,6 +84,12 @@ impl Tour {
             return None;
         }
         self.towards(drive, &scene.rest)
+    }
+
+    /// Whether a contact at `p` is of something mapped, as far as is known.
+    fn is_charted(&self, survey: &Survey, p: Point) -> bool {
+        let (distance, whose) = self.chart.distance(p);
+        distance < self.chart.tolerance(survey, p, whose)
     }
 
     /// The next motion towards the next way point; none when it was reached.

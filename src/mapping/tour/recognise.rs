@@ -39,7 +39,7 @@ impl Tour {
             return false;
         }
         round.compared = travelled;
-        let loose = scene.survey.looseness(at);
+        let loose = self.chart.looseness(scene.survey, at);
         if loose < SURE {
             return false;
         }

@@ -146,6 +146,12 @@ impl Drifts {
         (self.last, self.seen) = (pose, active);
     }
 
+    /// Whether a drift may be found that was not taken out before.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        self.all.len() > 1
+    }
+
     /// Seconds of motion at which this began to be looked at.
     #[must_use]
     pub fn begun(&self) -> f64 {

@@ -122,7 +122,8 @@ impl Circuit {
             return Verdict::More;
         }
         let left = overlap.misclosure.heading;
-        if left.abs() > SMALL && candidate.seconds > 0.0 {
+        // In the middle of a mapped room nobody takes a drift out of all that was driven.
+        if self.drifts.any() && left.abs() > SMALL && candidate.seconds > 0.0 {
             let rate = candidate.rate + left / candidate.seconds;
             (closure, overlap, _) = self.laid(candidate, rate, tracker);
         }

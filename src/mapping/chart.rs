@@ -10,6 +10,7 @@ use super::shape::KNOWN;
 use super::survey::{Surface, Survey, Tie};
 use super::wall::Sighting;
 use crate::geometry::{Piece, Point, Pose, Ring, perp};
+use nalgebra::Matrix2;
 
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
@@ -126,6 +127,13 @@ impl Chart {
     #[must_use]
     pub fn looseness(&self, survey: &Survey, p: Point) -> f64 {
         survey.looseness(p, &self.tie(&self.rings[0], survey, p))
+    }
+
+    /// Covariance of the robot's position beside the boundary nearest to `p`, x and y, square metres.
+    #[must_use]
+    pub fn spread(&self, survey: &Survey, p: Point) -> Matrix2<f64> {
+        let spread = survey.spread_beside(p, &self.tie(&self.rings[0], survey, p));
+        spread.fixed_view::<2, 2>(0, 0).into_owned()
     }
 
     /// What the charted surface nearest to `p` hangs on; none without surfaces.

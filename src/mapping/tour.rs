@@ -28,6 +28,7 @@ use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, Vector};
 use crate::robot::Chassis;
+use bearings::Feeling;
 use drive::{Drive, Purpose, best_chord};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
@@ -56,6 +57,7 @@ enum Doing {
     Driving(Box<Drive>),
     BackingOff(Box<Drive>),
     Rounding(Round),
+    Feeling(Feeling),
     Tying(Shuttle),
     Retreating(Retreat),
     Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
@@ -100,8 +102,10 @@ pub struct Tour {
     begun: bool,
     /// Metres driven when bearings were taken last.
     bearings_at: f64,
-    /// Where the second look of the bearings is taken.
-    look_next: Option<Point>,
+    /// Where the second look of the bearings is taken, and the direction of the wall there.
+    look_next: Option<(Point, Vector)>,
+    /// Directions of the walls to feel for.
+    feel_for: Vec<Vector>,
     /// What is to be measured when the robot is there, and what was: place and direction.
     to_tie: Option<Span>,
     tied: Vec<(Point, Vector)>,
@@ -142,6 +146,7 @@ impl Tour {
             begun: false,
             bearings_at: f64::NEG_INFINITY,
             look_next: None,
+            feel_for: Vec::new(),
             to_tie: None,
             tied: Vec::new(),
             shut_in: Vec::new(),
@@ -255,6 +260,7 @@ impl Tour {
                         return Some(ask);
                     }
                 }
+                Doing::Feeling(feeling) => return Some(self.feel(feeling, &scene.rest)),
                 Doing::Tying(shuttle) => {
                     if let Some(ask) = self.shuttle(shuttle, reason.take(), scene) {
                         return Some(ask);
@@ -301,7 +307,7 @@ impl Tour {
         self.look_next = None;
         self.to_tie = None;
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Tying(_) | Doing::Retreating(_) => return,
+            Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
                 *drive
             }
@@ -322,7 +328,7 @@ impl Tour {
     /// The line in hand is at an end: nothing on it leads anywhere.
     fn give_up(&mut self, scene: &mut Scene<'_>) {
         let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Tying(_) | Doing::Retreating(_) => return,
+            Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => return,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
                 *drive
             }

@@ -10,19 +10,8 @@ impl Survey {
     /// on `tie`, metres. What both are off by together does not count.
     #[must_use]
     pub fn looseness(&self, place: Point, tie: &Tie) -> f64 {
-        let mut rows = [vec![(POSE, 1.0)], vec![(POSE + 1, 1.0)]];
-        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
-            let Some(knot) = self.knots.get(index) else { continue };
-            let (start, arm) = (FIRST_KNOT + 3 * index, perp(place - knot.at));
-            rows[0].extend([(start, -share), (start + 2, -share * arm.x)]);
-            rows[1].extend([(start + 1, -share), (start + 2, -share * arm.y)]);
-        }
-        let c = |i: usize, j: usize| {
-            let terms =
-                rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
-            terms.map(|(k, l, weight)| self.entry(k, l) * weight).sum::<f64>()
-        };
-        worse(c(0, 0), c(0, 1), c(1, 1))
+        let spread = self.spread_beside(place, tie);
+        worse(spread[(0, 0)], spread[(0, 1)], spread[(1, 1)])
     }
 
     /// One standard deviation of the robot's position in its worse direction, metres.

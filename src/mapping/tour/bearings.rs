@@ -1,16 +1,19 @@
-//! Taking bearings: when the pose has become uncertain, the robot goes to a corner of the room and
-//! turns there. Its switches then see two walls, and these say where it stands; one wall alone
-//! leaves the way along it open. Then it goes along the longer of them for a metre and turns again:
-//! two looks at one wall, far apart, say how it heads, which one look says badly. Where no corner is
-//! near, a straight wall has to do.
+//! Taking bearings: when the pose has become uncertain, the robot goes to a corner of the room, feels for
+//! its walls, since they may be farther off than it believes, and turns there. Its switches then see
+//! both, and these say where it stands; one wall alone leaves the way along it open. Then it goes along
+//! the longer of them for a metre and turns again: two looks at one wall, far apart, say how it heads,
+//! which one look says badly. Where no corner is near, a straight wall has to do.
 
 use super::drive::Purpose;
-use super::{Drive, ROOM, Scene, Tour};
-use crate::geometry::{Piece, Point, Ring, angle, perp};
+use super::{Doing, Drive, ROOM, Scene, Tour};
+use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
-use crate::mapping::follow::Ask;
-use crate::robot::{Guard, Motion};
+use crate::mapping::follow::{Ask, AtRest, STRIDE};
+use crate::mapping::survey::Survey;
+use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
+use nalgebra::Matrix2;
+use std::collections::VecDeque;
 
 /// A position less sure than this (one standard deviation, metres) is worth a stop.
 const LOOSE: f64 = 0.025;
@@ -24,21 +27,61 @@ const LEAST_WALL: f64 = 0.3;
 /// How far the way to a corner may be, metres, and how much is driven at least between two stops.
 const FARTHEST: f64 = 8.0;
 const BETWEEN: f64 = 6.0;
-/// A pose that is less sure is worth a longer way: metres for a metre of standard deviation.
+/// A pose that is less sure is worth a longer way, and so is a place that makes it surer: metres for a
+/// metre of standard deviation.
 const WORTH: f64 = 120.0;
 /// How far apart the two looks at one wall are, metres, and how much of the wall is left beyond.
 const APART: f64 = 1.2;
 const BEYOND: f64 = 0.35;
 /// Looks nearer to each other than this are not worth it, metres.
 const LEAST_APART: f64 = 0.4;
-/// How many of the nearest corners are tried.
-const TRIED: usize = 3;
+/// So many of the most promising places have their way looked for.
+const TRIED: usize = 6;
+
+/// A wall may be this many standard deviations of the pose, and so many metres, farther off than it is
+/// believed to be.
+const DEVIATIONS: f64 = 3.0;
+const FARTHER: f64 = 0.04;
+/// The robot faces a wall within this, radians.
+const FACING: f64 = 0.03;
+/// When a switch closes the wall is just within its range; so much closer, metres, and it stays closed
+/// while the robot turns.
+const CLOSER: f64 = 0.02;
 
 /// A place in a corner, or beside a wall, and one along the longer of its walls.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Spot {
     at: Point,
+    /// Unit vectors towards the walls, the one that `along` goes beside first.
+    walls: Vec<Vector>,
     along: Option<Point>,
+}
+
+impl Spot {
+    /// What is left of the standard deviation of a position, in its worse direction, when the distance
+    /// from these walls is known, metres. A wall alone leaves the way along it open.
+    fn leaves(&self, spread: &Matrix2<f64>) -> f64 {
+        let left = self.walls.iter().fold(*spread, |left, wall| {
+            let across = left * wall;
+            left - across * across.transpose() / (wall.dot(&across) + 1e-6)
+        });
+        worse(&left)
+    }
+}
+
+/// One standard deviation in its worse direction.
+fn worse(spread: &Matrix2<f64>) -> f64 {
+    spread.symmetric_eigenvalues().max().max(0.0).sqrt()
+}
+
+/// Feeling for the walls of a place.
+#[derive(Debug, Clone)]
+pub(super) struct Feeling {
+    /// Unit vectors towards those that were not met yet.
+    walls: VecDeque<Vector>,
+    /// Metres to go at most, towards the first of them; none before it was faced.
+    left: Option<f64>,
+    most: f64,
 }
 
 /// Where two straight walls of `outline` (counter-clockwise) meet so that the robot, at a gap from
@@ -60,15 +103,15 @@ fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Spot> {
             if !floor.is_drivable(at) || floor.clearance(at) < room {
                 return None;
             }
-            let (way, length) = if after.length() > before.length() {
-                (second, after.length())
+            let (way, length, walls) = if after.length() > before.length() {
+                (second, after.length(), vec![-m, -n])
             } else {
-                (-first, before.length())
+                (-first, before.length(), vec![-n, -m])
             };
             let apart = APART.min(length - radius - GAP - BEYOND);
             let along = at + way * apart;
             let clear = apart > LEAST_APART && floor.is_clear(at, along, room);
-            Some(Spot { at, along: clear.then_some(along) })
+            Some(Spot { at, walls, along: clear.then_some(along) })
         })
         .collect()
 }
@@ -90,7 +133,7 @@ fn beside_walls(outline: &Ring, floor: &Floor, radius: f64, near: Point) -> Vec<
             let at = wall.from() + along * share + perp(along) * (radius + GAP);
             let end = at + along * APART;
             let clear = floor.is_drivable(at) && floor.is_clear(at, end, room);
-            clear.then_some(Spot { at, along: Some(end) })
+            clear.then_some(Spot { at, walls: vec![-perp(along)], along: Some(end) })
         })
         .collect()
 }
@@ -98,7 +141,8 @@ fn beside_walls(outline: &Ring, floor: &Floor, radius: f64, near: Point) -> Vec<
 impl Tour {
     /// A drive to a corner near the robot, when the pose has become too uncertain to go on.
     pub(super) fn bearings(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
-        if let Some(along) = self.look_next.take() {
+        if let Some((along, wall)) = self.look_next.take() {
+            self.feel_for = vec![wall];
             return Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, along, along) });
         }
         let at = scene.rest.pose.position;
@@ -106,7 +150,8 @@ impl Tour {
         if driven < BETWEEN {
             return None;
         }
-        let sd = self.chart.looseness(scene.survey, scene.tracker.pose().position);
+        let spread = self.chart.spread(scene.survey, scene.tracker.pose().position);
+        let sd = worse(&spread);
         if sd < if self.suspended.is_some() { LOOSE_ON_LINE } else { LOOSE } {
             return None;
         }
@@ -114,23 +159,64 @@ impl Tour {
         let outline = self.chart.outline().clone();
         let floor = self.floor(at);
         let mut spots = corners(&outline, floor, radius);
-        spots.sort_by(|a, b| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
-        let mut walls = beside_walls(&outline, floor, radius, at);
-        walls.sort_by(|a, b| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
-        let nearest = |spots: Vec<Spot>, farthest: f64| {
-            spots
-                .into_iter()
-                .take(TRIED)
-                .filter_map(|spot| Some((floor.route_length(at, spot.at, radius + ROOM)?, spot)))
-                .filter(|(length, _)| *length < farthest)
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-        };
-        let (_, spot) =
-            nearest(spots, FARTHEST).or_else(|| nearest(walls, FARTHEST.max(sd * WORTH)))?;
+        spots.extend(beside_walls(&outline, floor, radius, at));
+        let cost = |spot: &Spot, way: f64| way + WORTH * spot.leaves(&spread);
+        let straight = |spot: &Spot| cost(spot, (spot.at - at).norm());
+        spots.sort_by(|a, b| straight(a).total_cmp(&straight(b)));
+        let farthest = FARTHEST.max(sd * WORTH);
+        let (_, spot) = spots
+            .into_iter()
+            .take(TRIED)
+            .filter_map(|spot| Some((floor.route_length(at, spot.at, radius + ROOM)?, spot)))
+            .filter(|(way, _)| *way < farthest)
+            .min_by(|a, b| cost(&a.1, a.0).total_cmp(&cost(&b.1, b.0)))?;
         scene.tell.push(EventKind::Bearings { sd });
         self.bearings_at = scene.tracker.travelled();
-        self.look_next = spot.along;
+        self.look_next = spot.along.zip(spot.walls.first().copied());
+        self.feel_for = spot.walls;
         Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, spot.at, spot.at) })
+    }
+
+    /// There: feels for the walls first.
+    pub(super) fn begin_to_feel(&mut self, survey: &Survey, at: Point) {
+        let most = DEVIATIONS * self.chart.looseness(survey, at) + FARTHER;
+        let walls = std::mem::take(&mut self.feel_for).into();
+        self.doing = Doing::Feeling(Feeling { walls, left: None, most });
+    }
+
+    /// The next motion towards the walls, and when they are met, or are not there, the turn.
+    pub(super) fn feel(&mut self, mut feeling: Feeling, rest: &AtRest) -> Ask {
+        let front = self.chassis.sensor_towards(0.0, FACING);
+        let met = |feeling: &Feeling| {
+            feeling.left.is_some_and(|left| left <= 0.0)
+                || !matches!(rest.reason, DoneReason::Complete | DoneReason::Guard { .. })
+        };
+        if met(&feeling) {
+            feeling.walls.pop_front();
+            feeling.left = None;
+        }
+        let (Some(front), Some(wall)) = (front, feeling.walls.front()) else {
+            return self.look_round();
+        };
+        let turn = angle::wrap(angle::of(*wall) - rest.pose.heading);
+        let guard = |rise: SwitchSet| Guard { rise, fall: SwitchSet::EMPTY };
+        let why = "feeling for the wall";
+        let ask = if turn.abs() > FACING && feeling.left.is_none() {
+            let motion = Motion::Turn { angle: turn, rate: f64::INFINITY };
+            Ask { motion, guard: guard(SwitchSet::EMPTY), why }
+        } else if rest.closed.has(front) {
+            feeling.left = Some(0.0);
+            let motion = Motion::Move { distance: CLOSER, speed: f64::INFINITY };
+            Ask { motion, guard: guard(SwitchSet::EMPTY), why }
+        } else {
+            let left = feeling.left.unwrap_or(feeling.most);
+            let distance = left.min(STRIDE);
+            feeling.left = Some(left - distance);
+            let motion = Motion::Move { distance, speed: f64::INFINITY };
+            Ask { motion, guard: guard(SwitchSet::only(front)), why }
+        };
+        self.doing = Doing::Feeling(feeling);
+        ask
     }
 
     /// At the corner: a turn that leads every wall past at least two switches.

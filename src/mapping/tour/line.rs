@@ -65,7 +65,10 @@ impl Tour {
                 Purpose::Line => {}
                 Purpose::Bearings => {
                     self.doing = Doing::Choosing;
-                    return (!drive.skipped).then(|| self.look_round());
+                    if !drive.skipped {
+                        self.begin_to_feel(scene.survey, scene.rest.pose.position);
+                    }
+                    return None;
                 }
                 Purpose::Tie => {
                     self.doing = Doing::Choosing;

@@ -3,9 +3,34 @@
 
 use super::{FIRST_KNOT, POSE, Survey, Tie};
 use crate::geometry::{Point, angle, perp};
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Matrix3};
 
 impl Survey {
+    /// Rows of (x, y, heading) of what the pose is off from `place`, which hangs on `tie`.
+    fn beside(&self, place: Point, tie: &Tie) -> [Vec<(usize, f64)>; 3] {
+        let mut rows = [POSE, POSE + 1, POSE + 2].map(|row| vec![(row, 1.0)]);
+        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
+            let Some(knot) = self.knots.get(index) else { continue };
+            let (start, arm) = (FIRST_KNOT + 3 * index, perp(place - knot.at));
+            rows[0].extend([(start, -share), (start + 2, -share * arm.x)]);
+            rows[1].extend([(start + 1, -share), (start + 2, -share * arm.y)]);
+            rows[2].push((start + 2, -share));
+        }
+        rows
+    }
+
+    /// Covariance of the error of the pose beside `place`, which hangs on `tie`: x, y in metres, heading in
+    /// radians. What both are off by together does not count.
+    #[must_use]
+    pub fn spread_beside(&self, place: Point, tie: &Tie) -> Matrix3<f64> {
+        let rows = self.beside(place, tie);
+        Matrix3::from_fn(|i, j| {
+            let terms =
+                rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
+            terms.map(|(k, l, weight)| self.entry(k, l) * weight).sum()
+        })
+    }
+
     /// One standard deviation, in its worse direction, of the robot's position beside `place`, which hangs
     /// on `tie`, metres. What both are off by together does not count.
     #[must_use]

@@ -134,6 +134,23 @@ fn on_long_legs_the_wheels_are_believed_once_they_agree_with_each_other() {
 }
 
 #[test]
+fn a_pose_is_loose_beside_what_was_mapped_long_ago_though_not_beside_what_it_has_just_left() {
+    let mut survey = Survey::new(TICK);
+    let wall = survey.mark(Point::origin(), 0);
+    let pose = drive(&mut survey, Pose::new(0.0, 0.0, 0.0), 8.0, 0.0, 0.0);
+    let thing = survey.mark(pose.position, 1);
+    let (far, near) = (Point::new(0.0, 0.2), pose.position);
+    assert!(survey.looseness(near, &thing) < 1e-6);
+    let loose = survey.looseness(far, &wall);
+    // Half a percent of one drive of 8 m, at least.
+    assert!(loose > 0.035, "{loose}");
+    // It is the same asked before the knots were brought up to date, and after.
+    let spread = survey.spread_beside(far, &wall);
+    survey.settle();
+    assert!((survey.spread_beside(far, &wall) - spread).norm() < 1e-12);
+}
+
+#[test]
 fn a_touch_counts_what_the_wheels_have_put_right_before_it() {
     let mut survey = Survey::new(TICK);
     survey.rest(1e5, 0.0);

@@ -44,9 +44,6 @@ const DEVIATIONS: f64 = 3.0;
 const FARTHER: f64 = 0.04;
 /// The robot faces a wall within this, radians.
 const FACING: f64 = 0.03;
-/// When a switch closes the wall is just within its range; so much closer, metres, and it stays closed
-/// while the robot turns.
-const CLOSER: f64 = 0.02;
 
 /// A place in a corner, or beside a wall, and one along the longer of its walls.
 #[derive(Debug, Clone)]
@@ -82,6 +79,37 @@ pub(super) struct Feeling {
     /// Metres to go at most, towards the first of them; none before it was faced.
     left: Option<f64>,
     most: f64,
+}
+
+impl Feeling {
+    fn new(walls: Vec<Vector>, most: f64) -> Self {
+        Self { walls: walls.into(), left: None, most }
+    }
+
+    /// The next motion of a robot with switch `front` ahead; none when there is no wall left to feel for.
+    fn next(&mut self, rest: &AtRest, front: usize) -> Option<Ask> {
+        let turn = |wall: &Vector| angle::wrap(angle::of(*wall) - rest.pose.heading);
+        let faced = |wall: &Vector| turn(wall).abs() < FACING;
+        // Whatever it ran into, it goes no farther that way.
+        let stopped = !matches!(rest.reason, DoneReason::Complete | DoneReason::Guard { .. });
+        let closed = rest.closed.has(front);
+        let seen = closed && self.walls.front().is_some_and(faced);
+        if seen || self.left.is_some_and(|left| stopped || closed || left <= 0.0) {
+            self.walls.pop_front();
+            self.left = None;
+        }
+        let wall = self.walls.front()?;
+        let (motion, rise) = if self.left.is_none() && !faced(wall) {
+            (Motion::Turn { angle: turn(wall), rate: f64::INFINITY }, SwitchSet::EMPTY)
+        } else {
+            let left = self.left.unwrap_or(self.most);
+            let distance = left.min(STRIDE);
+            self.left = Some(left - distance);
+            (Motion::Move { distance, speed: f64::INFINITY }, SwitchSet::only(front))
+        };
+        let guard = Guard { rise, fall: SwitchSet::EMPTY };
+        Some(Ask { motion, guard, why: "feeling for the wall" })
+    }
 }
 
 /// Where two straight walls of `outline` (counter-clockwise) meet so that the robot, at a gap from
@@ -180,40 +208,15 @@ impl Tour {
     /// There: feels for the walls first.
     pub(super) fn begin_to_feel(&mut self, survey: &Survey, at: Point) {
         let most = DEVIATIONS * self.chart.looseness(survey, at) + FARTHER;
-        let walls = std::mem::take(&mut self.feel_for).into();
-        self.doing = Doing::Feeling(Feeling { walls, left: None, most });
+        let walls = std::mem::take(&mut self.feel_for);
+        self.doing = Doing::Feeling(Feeling::new(walls, most));
     }
 
-    /// The next motion towards the walls, and when they are met, or are not there, the turn.
+    /// The next motion towards the walls; when they are met, or are not there, the turn.
     pub(super) fn feel(&mut self, mut feeling: Feeling, rest: &AtRest) -> Ask {
         let front = self.chassis.sensor_towards(0.0, FACING);
-        let met = |feeling: &Feeling| {
-            feeling.left.is_some_and(|left| left <= 0.0)
-                || !matches!(rest.reason, DoneReason::Complete | DoneReason::Guard { .. })
-        };
-        if met(&feeling) {
-            feeling.walls.pop_front();
-            feeling.left = None;
-        }
-        let (Some(front), Some(wall)) = (front, feeling.walls.front()) else {
+        let Some(ask) = front.and_then(|front| feeling.next(rest, front)) else {
             return self.look_round();
-        };
-        let turn = angle::wrap(angle::of(*wall) - rest.pose.heading);
-        let guard = |rise: SwitchSet| Guard { rise, fall: SwitchSet::EMPTY };
-        let why = "feeling for the wall";
-        let ask = if turn.abs() > FACING && feeling.left.is_none() {
-            let motion = Motion::Turn { angle: turn, rate: f64::INFINITY };
-            Ask { motion, guard: guard(SwitchSet::EMPTY), why }
-        } else if rest.closed.has(front) {
-            feeling.left = Some(0.0);
-            let motion = Motion::Move { distance: CLOSER, speed: f64::INFINITY };
-            Ask { motion, guard: guard(SwitchSet::EMPTY), why }
-        } else {
-            let left = feeling.left.unwrap_or(feeling.most);
-            let distance = left.min(STRIDE);
-            feeling.left = Some(left - distance);
-            let motion = Motion::Move { distance, speed: f64::INFINITY };
-            Ask { motion, guard: guard(SwitchSet::only(front)), why }
         };
         self.doing = Doing::Feeling(feeling);
         ask
@@ -227,5 +230,63 @@ impl Tour {
             guard: Guard::default(),
             why: "taking bearings of two walls",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    const FRONT: usize = 0;
+
+    fn rest(heading: f64, closed: bool, reason: DoneReason) -> AtRest {
+        let closed = if closed { SwitchSet::only(FRONT) } else { SwitchSet::EMPTY };
+        AtRest { pose: Pose::new(1.0, 1.0, heading), closed, reason }
+    }
+
+    fn moves(ask: Option<Ask>) -> (f64, bool) {
+        let ask = ask.expect("a motion");
+        let Motion::Move { distance, .. } = ask.motion else { panic!("no move: {ask:?}") };
+        (distance, ask.guard.rise.has(FRONT))
+    }
+
+    #[test]
+    fn a_wall_that_is_farther_off_than_believed_is_gone_to_until_it_is_seen() {
+        let mut feeling = Feeling::new(vec![Vector::x(), Vector::y()], 0.3);
+        let turned = feeling.next(&rest(1.0, false, DoneReason::Complete), FRONT).expect("a turn");
+        assert!(matches!(turned.motion, Motion::Turn { angle, .. } if (angle + 1.0).abs() < 1e-9));
+        let (most, guarded) = moves(feeling.next(&rest(0.0, false, DoneReason::Complete), FRONT));
+        assert!(guarded && (most - 0.3).abs() < 1e-9, "{most}");
+        // It closes on the way: on to the next wall.
+        let seen = DoneReason::Guard { sensor: FRONT, rising: true };
+        let next = feeling.next(&rest(0.0, true, seen), FRONT).expect("a turn");
+        assert!(matches!(next.motion, Motion::Turn { angle, .. } if angle > 1.5));
+        // That one is not there at all.
+        let up = angle::PI / 2.0;
+        moves(feeling.next(&rest(up, false, DoneReason::Complete), FRONT));
+        assert!(feeling.next(&rest(up, false, DoneReason::Complete), FRONT).is_none());
+    }
+
+    #[test]
+    fn a_wall_that_is_seen_already_is_not_driven_into() {
+        let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
+        assert!(feeling.next(&rest(0.0, true, DoneReason::Complete), FRONT).is_none());
+    }
+
+    #[test]
+    fn what_the_bumper_meets_is_not_pushed() {
+        let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
+        moves(feeling.next(&rest(0.0, false, DoneReason::Complete), FRONT));
+        assert!(feeling.next(&rest(0.0, false, DoneReason::Bumper), FRONT).is_none());
+    }
+
+    #[test]
+    fn a_wall_leaves_the_way_along_it_open_and_a_corner_nothing() {
+        let spread = Matrix2::new(0.04, 0.0, 0.0, 0.01);
+        let spot = |walls: Vec<Vector>| Spot { at: Point::origin(), walls, along: None };
+        assert!((spot(vec![Vector::x()]).leaves(&spread) - 0.1).abs() < 1e-3);
+        assert!((spot(vec![Vector::y()]).leaves(&spread) - 0.2).abs() < 1e-3);
+        assert!(spot(vec![Vector::x(), Vector::y()]).leaves(&spread) < 2e-3);
     }
 }

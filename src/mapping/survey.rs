@@ -21,6 +21,7 @@ mod tests;
 pub use balance::Step;
 pub use motion::{HEADING_WALK, STRIDE_SHARE};
 pub use sight::{Look, Surface};
+pub use sureness::worse;
 
 use super::calibration::Measured;
 use crate::geometry::{Point, Pose, Vector, angle, perp};

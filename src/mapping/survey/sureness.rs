@@ -35,8 +35,7 @@ impl Survey {
     /// on `tie`, metres. What both are off by together does not count.
     #[must_use]
     pub fn looseness(&self, place: Point, tie: &Tie) -> f64 {
-        let spread = self.spread_beside(place, tie);
-        worse(spread[(0, 0)], spread[(0, 1)], spread[(1, 1)])
+        worse(&self.spread_beside(place, tie).fixed_view::<2, 2>(0, 0).into_owned())
     }
 
     /// One standard deviation of the robot's position in its worse direction, metres.
@@ -54,8 +53,7 @@ impl Survey {
     }
 
     fn worst(&self, row: usize) -> f64 {
-        let c = |i: usize, j: usize| self.covariance[(row + i, row + j)];
-        worse(c(0, 0), c(0, 1), c(1, 1))
+        worse(&self.covariance.fixed_view::<2, 2>(row, row).into_owned())
     }
 
     /// Covariance of the place `point` that hangs on `tie`, x and y, square metres.
@@ -84,7 +82,9 @@ impl Survey {
 }
 
 /// Standard deviation along the longer axis of the ellipse of a plane covariance.
-fn worse(xx: f64, xy: f64, yy: f64) -> f64 {
+#[must_use]
+pub fn worse(spread: &Matrix2<f64>) -> f64 {
+    let (xx, xy, yy) = (spread[(0, 0)], spread[(0, 1)], spread[(1, 1)]);
     let (middle, spread) = (f64::midpoint(xx, yy), angle::hypot((xx - yy) / 2.0, xy));
     (middle + spread).max(0.0).sqrt()
 }

@@ -10,7 +10,7 @@ use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
-use crate::mapping::survey::Survey;
+use crate::mapping::survey::{Survey, worse};
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 use nalgebra::Matrix2;
 use std::collections::VecDeque;
@@ -66,11 +66,6 @@ impl Spot {
     }
 }
 
-/// One standard deviation in its worse direction.
-fn worse(spread: &Matrix2<f64>) -> f64 {
-    spread.symmetric_eigenvalues().max().max(0.0).sqrt()
-}
-
 /// Feeling for the walls of a place.
 #[derive(Debug, Clone)]
 pub(super) struct Feeling {
@@ -94,7 +89,7 @@ impl Feeling {
         let stopped = !matches!(rest.reason, DoneReason::Complete | DoneReason::Guard { .. });
         let closed = rest.closed.has(front);
         let seen = closed && self.walls.front().is_some_and(faced);
-        if seen || self.left.is_some_and(|left| stopped || closed || left <= 0.0) {
+        if seen || stopped || self.left.is_some_and(|left| closed || left <= 0.0) {
             self.walls.pop_front();
             self.left = None;
         }
@@ -279,6 +274,10 @@ mod tests {
         let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
         moves(feeling.next(&rest(0.0, false, DoneReason::Complete), FRONT));
         assert!(feeling.next(&rest(0.0, false, DoneReason::Bumper), FRONT).is_none());
+        // Nor is a turn that something holds up tried for ever.
+        let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
+        assert!(feeling.next(&rest(1.0, false, DoneReason::Complete), FRONT).is_some());
+        assert!(feeling.next(&rest(0.9, false, DoneReason::Stalled), FRONT).is_none());
     }
 
     #[test]

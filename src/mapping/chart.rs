@@ -7,7 +7,7 @@
 use super::accuracy::Judge;
 use super::map::{Contact, ContactKind, MappedObject, RoomMap};
 use super::shape::KNOWN;
-use super::survey::{Surface, Survey, Tie};
+use super::survey::{Surface, Survey, Tie, worse};
 use super::wall::Sighting;
 use crate::geometry::{Piece, Point, Pose, Ring, perp};
 use nalgebra::Matrix2;
@@ -126,7 +126,7 @@ impl Chart {
     /// One standard deviation of the robot's position beside the boundary nearest to `p`, metres.
     #[must_use]
     pub fn looseness(&self, survey: &Survey, p: Point) -> f64 {
-        survey.looseness(p, &self.tie(&self.rings[0], survey, p))
+        worse(&self.spread(survey, p))
     }
 
     /// Covariance of the robot's position beside the boundary nearest to `p`, x and y, square metres.

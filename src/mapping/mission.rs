@@ -182,7 +182,7 @@ impl Mission {
     /// One standard deviation of the position, metres.
     #[must_use]
     pub fn position_sd(&self) -> f64 {
-        if self.is_surveying() || self.map.closed {
+        if self.map.closed {
             self.survey.position_sd()
         } else {
             0.005 + 0.004 * self.tracker.travelled()

@@ -5,7 +5,7 @@
 //!
 //! Position is integrated with the middle heading of each step, which is exact for the straight
 //! moves and turns in place that the command set consists of. Knows nothing of walls; corrections
-//! come from outside through [`Tracker::correct`].
+//! come from outside, through [`Tracker::correct`] and [`Tracker::nudge`].
 
 use super::drift::Unwound;
 use super::map::{PathPoint, Phase, Spun};
@@ -211,8 +211,7 @@ impl Tracker {
 
     /// Goes on from `to`, to which all that was driven leads by now.
     pub fn settle(&mut self, to: Pose) {
-        self.heading += angle::wrap(to.heading - self.heading);
-        self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
+        self.nudge(to);
         self.fixed = Fixed { at: self.travelled, from: self.path.len(), since: self.path.len() };
     }
 

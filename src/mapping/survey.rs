@@ -329,14 +329,7 @@ impl Survey {
     pub fn found(&mut self, at: Point, tie: &Tie, sd: (f64, f64)) {
         self.settle();
         let size = self.mean.len();
-        let mut rows: [Vec<(usize, f64)>; 3] = [Vec::new(), Vec::new(), Vec::new()];
-        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
-            let Some(knot) = self.knots.get(index) else { continue };
-            let (start, arm) = (FIRST_KNOT + 3 * index, perp(at - knot.at));
-            rows[0].extend([(start, share), (start + 2, share * arm.x)]);
-            rows[1].extend([(start + 1, share), (start + 2, share * arm.y)]);
-            rows[2].push((start + 2, share));
-        }
+        let rows = self.hanging(at, tie);
         // Rows of the new pose against everything, then of the pose against itself.
         let against = rows.each_ref().map(|row| {
             let mut sum = DVector::zeros(size);

@@ -6,15 +6,15 @@ use crate::geometry::{Point, angle, perp};
 use nalgebra::{Matrix2, Matrix3};
 
 impl Survey {
-    /// Rows of (x, y, heading) of what the pose is off from `place`, which hangs on `tie`.
-    fn beside(&self, place: Point, tie: &Tie) -> [Vec<(usize, f64)>; 3] {
-        let mut rows = [POSE, POSE + 1, POSE + 2].map(|row| vec![(row, 1.0)]);
+    /// Rows of (x, y, heading) of the error of `place`, which hangs on `tie`.
+    pub(super) fn hanging(&self, place: Point, tie: &Tie) -> [Vec<(usize, f64)>; 3] {
+        let mut rows: [Vec<(usize, f64)>; 3] = [const { Vec::new() }; 3];
         for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
             let Some(knot) = self.knots.get(index) else { continue };
             let (start, arm) = (FIRST_KNOT + 3 * index, perp(place - knot.at));
-            rows[0].extend([(start, -share), (start + 2, -share * arm.x)]);
-            rows[1].extend([(start + 1, -share), (start + 2, -share * arm.y)]);
-            rows[2].push((start + 2, -share));
+            rows[0].extend([(start, share), (start + 2, share * arm.x)]);
+            rows[1].extend([(start + 1, share), (start + 2, share * arm.y)]);
+            rows[2].push((start + 2, share));
         }
         rows
     }
@@ -23,7 +23,10 @@ impl Survey {
     /// radians. What both are off by together does not count.
     #[must_use]
     pub fn spread_beside(&self, place: Point, tie: &Tie) -> Matrix3<f64> {
-        let rows = self.beside(place, tie);
+        let mut rows = [POSE, POSE + 1, POSE + 2].map(|row| vec![(row, 1.0)]);
+        for (row, place) in rows.iter_mut().zip(self.hanging(place, tie)) {
+            row.extend(place.into_iter().map(|(k, weight)| (k, -weight)));
+        }
         Matrix3::from_fn(|i, j| {
             let terms =
                 rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
@@ -59,13 +62,7 @@ impl Survey {
     /// Covariance of the place `point` that hangs on `tie`, x and y, square metres.
     #[must_use]
     pub fn spread_at(&self, point: Point, tie: &Tie) -> Matrix2<f64> {
-        let mut rows: [Vec<(usize, f64)>; 2] = [Vec::with_capacity(4), Vec::with_capacity(4)];
-        for (index, share) in [(tie.first, 1.0 - tie.share), (tie.second, tie.share)] {
-            let Some(knot) = self.knots.get(index) else { continue };
-            let (start, arm) = (FIRST_KNOT + 3 * index, perp(point - knot.at));
-            rows[0].extend([(start, share), (start + 2, share * arm.x)]);
-            rows[1].extend([(start + 1, share), (start + 2, share * arm.y)]);
-        }
+        let rows = self.hanging(point, tie);
         Matrix2::from_fn(|i, j| {
             let terms = rows[i].iter().flat_map(|(k, v)| {
                 rows[j].iter().map(move |(l, w)| self.covariance[(*k, *l)] * v * w)

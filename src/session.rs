@@ -324,6 +324,7 @@ impl Session {
             phase: self.mission.phase(),
             progress,
             run: self.run,
+            latched: self.gate.is_latched(),
             robot: if self.heard { Known::Known(view) } else { Known::Unknown },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
             map: self.mission.map_now(),

@@ -2,7 +2,9 @@
 //! After a wanted change: `INSTA_UPDATE=always cargo test --test frames`, and look at the difference.
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
+use periplus::console::action::Action;
 use periplus::console::model::{Model, Overlay};
+use periplus::console::update::{Effect, perform};
 use periplus::console::{Keymap, frame};
 use periplus::journal::Header;
 use periplus::mapping::settings::Settings;
@@ -85,6 +87,13 @@ fn every_phase_of_a_room_with_an_object() {
     until_paused(&mut run);
     assert_eq!(run.session().run_state(), RunState::Complete);
     hold("9_complete", &run.snapshot(), &Overlay::None);
+    // A stop holds after the end too, and is cleared like any other.
+    let mut model = Model::new(80, 24, Keymap::default());
+    run.intent(Intent::Stop);
+    let effects = perform(&mut model, &run.snapshot(), Action::ClearStop);
+    assert_eq!(effects, [Effect::Intent(Intent::ClearStop)]);
+    run.intent(Intent::ClearStop);
+    assert!(perform(&mut model, &run.snapshot(), Action::ClearStop).is_empty(), "nothing to clear");
 }
 
 #[test]

@@ -95,9 +95,11 @@ pub fn paste(model: &mut Model, text: &str) {
 pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     match action {
         Action::Stop => return vec![Effect::Intent(Intent::Stop)],
-        Action::ClearStop if snapshot.run == RunState::Stopped => {
+        Action::ClearStop if snapshot.latched => {
             let run = model.keymap.label(Action::RunPause);
-            tell(model, format!("stop cleared; {run} runs on"));
+            let on = snapshot.run == RunState::Stopped;
+            let then = if on { format!("; {run} runs on") } else { String::new() };
+            tell(model, format!("stop cleared{then}"));
             return vec![Effect::Intent(Intent::ClearStop)];
         }
         Action::ClearStop => return refuse(model, "the robot is not stopped".to_owned()),

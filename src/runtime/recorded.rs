@@ -45,7 +45,7 @@ impl Driver for RecordedDriver {
         let sound = self.replay.difference().map_or("", |_| ", DIFFERS FROM THE RUN");
         snapshot.source = format!("replay {at:.0}/{all:.0} s of {}{sound}", snapshot.source);
         if !self.playing && !self.replay.is_complete() {
-            snapshot.run = RunState::Paused;
+            (snapshot.run, snapshot.latched) = (RunState::Paused, false);
         }
         snapshot
     }

@@ -94,6 +94,8 @@ pub struct Snapshot {
     pub progress: [PhaseProgress; 4],
     /// Whether the robot may move.
     pub run: RunState,
+    /// A stop holds until it is cleared; after the end of a run too.
+    pub latched: bool,
     /// What the robot last said.
     pub robot: Known<RobotView>,
     /// The command in hand, and in words why it was chosen.
@@ -119,6 +121,7 @@ impl Snapshot {
             phase: Phase::Boundary,
             progress: [PhaseProgress::default(); 4],
             run: RunState::Paused,
+            latched: false,
             robot: Known::Unknown,
             command: None,
             map: RoomMap::default(),

@@ -99,7 +99,7 @@ fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
 }
 
 fn matters(info: &ActionInfo, snapshot: &Snapshot) -> bool {
-    let stopped = snapshot.run == RunState::Stopped;
+    let stopped = snapshot.latched;
     let over = matches!(snapshot.run, RunState::Complete | RunState::Failed(_));
     !info.footer.is_empty()
         && match info.action {

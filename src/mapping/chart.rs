@@ -14,6 +14,12 @@ use nalgebra::Matrix2;
 
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
+/// A piece that fewer contacts than this lie on, to within so many metres, was drawn from one corner to the
+/// next, across a gap it may be: what stands between them is anybody's guess.
+const LEAST_HELD: usize = 3;
+const HOLDS: f64 = 0.02;
+/// Where nobody knows how ragged a surface is, it is so by this, root mean square, metres.
+const UNTOLD: f64 = 0.03;
 /// Nearer to the end of a piece than this its normal says nothing, metres.
 const CORNER: f64 = 0.04;
 /// No farther behind the nearest surface than this is the one that was seen, metres: both are faces of
@@ -36,19 +42,34 @@ fn tolerance(survey: &Survey, place: Point, tie: &Tie) -> f64 {
 struct Charted {
     nominal: Ring,
     contacts: Vec<Contact>,
+    /// How many contacts lie on each piece of it.
+    held: Vec<usize>,
     /// One tie for all of it (an object), or none: each contact has its own by its time.
     tie: Option<Tie>,
     shown: Ring,
 }
 
 impl Charted {
-    /// Root mean square distance of the contacts near `nominal` from the ring, metres.
-    fn raggedness(&self, nominal: Point) -> f64 {
+    fn new(outline: &Ring, contacts: &[Contact], tie: Option<Tie>) -> Self {
+        let mut held = vec![0; outline.pieces.len()];
+        for foot in contacts.iter().filter_map(|contact| outline.nearest(contact.point)) {
+            held[foot.piece] += usize::from(foot.distance < HOLDS);
+        }
+        let (nominal, shown) = (outline.clone(), outline.clone());
+        Self { nominal, contacts: contacts.to_vec(), held, tie, shown }
+    }
+
+    /// Root mean square distance from the ring of the contacts near `nominal`, a place on its piece
+    /// `piece`, metres.
+    fn raggedness(&self, nominal: Point, piece: usize) -> f64 {
+        if self.held[piece] < LEAST_HELD {
+            return UNTOLD;
+        }
         let near = self.contacts.iter().filter(|c| (c.point - nominal).norm() < NEIGHBOURHOOD);
         let (sum, count) = near.fold((0.0, 0.0), |(sum, count), c| {
             (sum + self.nominal.distance(c.point).powi(2), count + 1.0)
         });
-        if count > 0.0 { f64::sqrt(sum / count) } else { NEIGHBOURHOOD / 4.0 }
+        if count > 0.0 { f64::sqrt(sum / count) } else { UNTOLD }
     }
 }
 
@@ -66,12 +87,7 @@ impl Chart {
     pub fn new(map: &RoomMap, survey: &Survey) -> Self {
         let lap_knots = survey.knots();
         let outline = map.shape.as_ref().map(|shape| shape.outline.clone()).unwrap_or_default();
-        let boundary = Charted {
-            shown: outline.clone(),
-            nominal: outline,
-            contacts: map.contacts.clone(),
-            tie: None,
-        };
+        let boundary = Charted::new(&outline, &map.contacts, None);
         let mut chart = Self { rings: vec![boundary], lap_knots };
         for object in &map.objects {
             let begin = object.contacts.first().map_or(0, Contact::time_us);
@@ -82,12 +98,7 @@ impl Chart {
 
     /// Adds an object that hangs on `tie`.
     pub fn add(&mut self, object: &MappedObject, tie: Tie) {
-        self.rings.push(Charted {
-            nominal: object.outline.clone(),
-            contacts: object.contacts.clone(),
-            tie: Some(tie),
-            shown: object.outline.clone(),
-        });
+        self.rings.push(Charted::new(&object.outline, &object.contacts, Some(tie)));
     }
 
     /// The wall line as believed now.
@@ -191,7 +202,7 @@ impl Chart {
         let nominal = charted.nominal.pieces[foot.piece].at(foot.t);
         let tie = self.tie(charted, survey, nominal);
         let at = nominal + survey.displacement(nominal, &tie);
-        Some(Surface { at, normal, tie, sd: charted.raggedness(nominal), within })
+        Some(Surface { at, normal, tie, sd: charted.raggedness(nominal, foot.piece), within })
     }
 
     /// `pose` corrected by what was `seen` from it, and `survey` with it; none when that is nothing
@@ -296,7 +307,9 @@ mod tests {
         };
         let map = RoomMap {
             closed: true,
-            contacts: vec![contact(2.0, 0.002, 0.0), contact(2.1, -0.002, 0.0)],
+            contacts: [(2.0, 0.002), (2.05, 0.002), (2.1, -0.002)]
+                .map(|(x, y)| contact(x, y, 0.0))
+                .to_vec(),
             shape: Some(shape),
             ..RoomMap::default()
         };
@@ -320,6 +333,14 @@ mod tests {
         let askance = Point::new(1.0, 0.1);
         assert_eq!(chart.surface_at(&survey, Point::new(2.0, 0.03), askance, 0.15), None);
         assert_eq!(chart.surface_at(&survey, Point::new(2.0, 1.0), from, 0.15), None);
+    }
+
+    #[test]
+    fn a_wall_drawn_between_corners_alone_is_hardly_known() {
+        let (survey, chart) = room();
+        let (seen, from) = (Point::new(0.03, 1.5), Point::new(0.2, 1.5));
+        let surface = chart.surface_at(&survey, seen, from, 0.15).expect("the wall, untouched");
+        assert!((surface.sd - UNTOLD).abs() < 1e-9, "{}", surface.sd);
     }
 
     #[test]

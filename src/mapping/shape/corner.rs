@@ -11,6 +11,9 @@ use crate::geometry::{Point, Vector, angle, cross};
 const OUTER_REACH: f64 = 0.25;
 /// Farthest an inner corner may lie beyond what the body's roundness explains, metres.
 const INNER_SLACK: f64 = 0.25;
+/// Farthest a line and an arc that touch may do so beyond the contacts next to it, metres: along a wall that
+/// goes on the robot looks every half metre.
+const SMOOTH_REACH: f64 = 0.65;
 /// How far off an extended run may be at its corner for want of direction, metres.
 const UNCERTAIN: f64 = 0.008;
 
@@ -94,7 +97,9 @@ impl Judge<'_> {
         if beyond_a < -behind || beyond_b < -behind {
             return None;
         }
-        let limit = if turn > 0.0 {
+        let limit = if smooth {
+            SMOOTH_REACH
+        } else if turn > 0.0 {
             // The body touches both walls of an inner corner this far from it.
             let interior = (angle::PI - turn).max(0.1);
             self.reach / angle::tan(interior / 2.0).max(0.05) + INNER_SLACK

@@ -11,6 +11,7 @@ mod island;
 mod neck;
 mod object;
 mod order;
+mod plain;
 mod pocket;
 pub mod post;
 mod rectangle;

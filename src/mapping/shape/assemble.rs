@@ -4,6 +4,7 @@
 use super::Sample;
 use super::chain::{TOLERANCE, thinned};
 use super::corner::{Joint, Judge};
+use super::plain::plain;
 use super::segment::{Model, Run};
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, angle, cross};
@@ -19,11 +20,11 @@ const ALL_ROUND: f64 = angle::TAU - 0.005;
 
 /// A corner of the ring and the bulge of the piece that leaves it.
 #[derive(Debug, Clone, Copy)]
-struct Vertex {
-    at: Point,
-    bulge: f64,
+pub(super) struct Vertex {
+    pub(super) at: Point,
+    pub(super) bulge: f64,
     /// The run that the piece belongs to; links belong to the run before them.
-    run: usize,
+    pub(super) run: usize,
 }
 
 /// How freely a run may be drawn.
@@ -46,8 +47,7 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
         let Some(&(i, k)) = crossings(&points).first() else {
-            let plain = without_jogs(vertices.clone(), 3.0 * sigma + 0.003);
-            let plain = to_ring(&with_corners(plain, &judge));
+            let plain = to_ring(&plain(vertices.clone(), &judge));
             let simple = crossings(&chords(&plain).0).is_empty();
             return (vertices.len() >= 2).then_some(if simple { plain } else { made });
         };
@@ -129,64 +129,6 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         let run = vertices[removed - 1].run;
         vertices.drain(..removed);
         vertices.insert(0, Vertex { at, bulge: 0.0, run });
-    }
-    vertices
-}
-
-/// Without the corners between straight pieces that a straight piece past them explains within
-/// `tolerance` (metres): steps in a wall that are no larger than the noise.
-fn without_jogs(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
-    // What was left out between each vertex and the next.
-    let mut passed: Vec<Vec<Point>> = vec![Vec::new(); vertices.len()];
-    let off = |p: Point, a: Point, b: Point| {
-        let along = b - a;
-        let t = ((p - a).dot(&along) / along.norm_squared().max(1e-18)).clamp(0.0, 1.0);
-        (a + along * t - p).norm()
-    };
-    while vertices.len() > 3 {
-        let count = vertices.len();
-        let straight = |k: usize| vertices[k].bulge == 0.0;
-        let least = (0..count)
-            .filter(|&k| straight(k) && straight((k + count - 1) % count))
-            .map(|k| {
-                let before = (k + count - 1) % count;
-                let (a, b) = (vertices[before].at, vertices[(k + 1) % count].at);
-                let points = passed[before].iter().chain(&passed[k]);
-                let worst = points.map(|p| off(*p, a, b)).fold(off(vertices[k].at, a, b), f64::max);
-                (k, worst)
-            })
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((k, _)) = least.filter(|(_, worst)| *worst < tolerance) else {
-            break;
-        };
-        let mut more = passed.remove(k);
-        let gone = vertices.remove(k);
-        more.push(gone.at);
-        let before = (k + count - 1) % count;
-        let before = if before > k { before - 1 } else { before };
-        passed[before].append(&mut more);
-    }
-    vertices
-}
-
-/// With the inner corners that were cut off where the last contacts of two walls gave runs too short to be
-/// drawn out, while the walls as a whole are long enough to tell where they meet.
-fn with_corners(mut vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
-    let mut k = 0;
-    while vertices.len() > 4 && k < vertices.len() {
-        let count = vertices.len();
-        let at = |n: usize| vertices[(k + count + n - 1) % count];
-        // The cut leads from the second of these to the third.
-        let four = [at(0), at(1), at(2), at(3)];
-        let straight = four[..3].iter().all(|vertex| vertex.bulge == 0.0);
-        let corner = judge.cut_off(four.map(|vertex| vertex.at)).filter(|_| straight);
-        if let Some(corner) = corner {
-            // The later one leaves along its own wall.
-            let next = (k + 1) % count;
-            vertices[next].at = corner;
-            vertices.remove(k);
-        }
-        k += 1;
     }
     vertices
 }

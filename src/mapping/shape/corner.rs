@@ -205,7 +205,7 @@ impl Judge<'_> {
 }
 
 /// Unit direction of travel along the run's line or circle at `p`.
-fn heading(model: &Model, p: Point) -> Option<Vector> {
+pub(super) fn heading(model: &Model, p: Point) -> Option<Vector> {
     match *model {
         Model::Lone(_) => None,
         Model::Line { direction, .. } => Some(direction),

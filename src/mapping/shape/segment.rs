@@ -3,6 +3,7 @@
 //! contact the square of its distance in units of the noise. Knows nothing of corners.
 
 use super::Sample;
+use super::corner::heading;
 use crate::geometry::fit::{CircleFit, LineFit, Moments};
 use crate::geometry::{Point, Vector, angle, cross};
 
@@ -249,13 +250,15 @@ fn pass_over(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
 /// are no more such.
 fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
     let count = runs.len();
-    if count < 4 {
+    // What is left is a ring: three walls, or an arc and one more.
+    let round = runs.iter().any(|run| matches!(run.model, Model::Arc { .. }));
+    if count < if round { 3 } else { 4 } {
         return false;
     }
     let found = (0..count).find(|&k| {
         let (a, odd, b) = (&runs[(k + count - 1) % count], &runs[k], &runs[(k + 1) % count]);
-        let (Model::Line { direction: u, .. }, Model::Line { direction: v, .. }) =
-            (a.model, b.model)
+        let (Some(u), Some(v)) =
+            (heading(&a.model, samples[a.last].point), heading(&b.model, samples[b.first].point))
         else {
             return false;
         };
@@ -264,14 +267,11 @@ fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> b
         // The end of a thin wall has no more contacts than that, and is no mistake.
         let thin = u.dot(&v) < -0.8;
         let length = (samples[odd.last].point - samples[odd.first].point).norm();
-        let near = |sample: &Sample| {
-            a.distance(sample.point).min(b.distance(sample.point)) < BY_CHANCE * sigma
-        };
-        few && !thin
-            && long(a)
-            && long(b)
-            && length < NO_WALL * sigma
-            && samples[odd.first..=odd.last].iter().all(near)
+        let odd = &samples[odd.first..=odd.last];
+        let off = |run: &Run, sample: &Sample| run.distance(sample.point) < BY_CHANCE * sigma;
+        let of_one = [a, b].iter().any(|run| odd.iter().all(|sample| off(run, sample)));
+        let of_either = odd.iter().all(|sample| off(a, sample) || off(b, sample));
+        few && !thin && long(a) && long(b) && (of_one || (of_either && length < NO_WALL * sigma))
     });
     if let Some(k) = found {
         runs.remove(k);

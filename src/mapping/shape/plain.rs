@@ -1,0 +1,142 @@
+//! A drawn ring without what noise put on it: steps in a straight wall, breaks in a round one, inner
+//! corners that were cut off.
+
+use super::assemble::Vertex;
+use super::corner::Judge;
+use crate::geometry::{Piece, Point, angle, cross};
+
+/// `vertices` as plain as the noise of the contacts that `judge` knows allows.
+pub(super) fn plain(vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
+    let tolerance = 3.0 * judge.sigma + 0.003;
+    with_corners(without_breaks(without_jogs(vertices, tolerance), tolerance), judge)
+}
+
+/// No ring has fewer corners than this: one with an arc may have two.
+fn least(vertices: &[Vertex]) -> usize {
+    if vertices.iter().all(|vertex| vertex.bulge == 0.0) { 3 } else { 2 }
+}
+
+/// Without the joints between two arcs that one arc past them explains within `tolerance` (metres): a
+/// round wall that the gyro bent.
+fn without_breaks(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
+    let mut k = 0;
+    while vertices.len() > 2 && k < vertices.len() {
+        let count = vertices.len();
+        let (before, next) = ((k + count - 1) % count, (k + 1) % count);
+        let [a, b, c] = [before, k, next].map(|n| vertices[n]);
+        let middle =
+            |from: Vertex, to: Vertex| Piece::with_bulge(from.at, to.at, from.bulge).at(0.5);
+        let alike = a.bulge * b.bulge > 0.0;
+        let on_it = [middle(a, b), b.at, middle(b, c)];
+        let bulge = on_it.map(|p| bulge_through(a.at, p, c.at)).iter().sum::<f64>() / 3.0;
+        let arc = Piece::with_bulge(a.at, c.at, bulge);
+        if alike && on_it.iter().all(|p| arc.distance(*p) < tolerance) {
+            vertices[before].bulge = bulge;
+            vertices.remove(k);
+        } else {
+            k += 1;
+        }
+    }
+    vertices
+}
+
+/// Bulge of the arc from `a` through `p` to `c`: the angle at `p` is half of what the arc lacks of a
+/// whole turn (inscribed angle).
+fn bulge_through(a: Point, p: Point, c: Point) -> f64 {
+    let (u, v) = (a - p, c - p);
+    let side = cross(u, v);
+    let half = angle::atan2(side.abs(), u.dot(&v)) / 2.0;
+    -side.signum() / angle::tan(half).max(1e-9)
+}
+
+/// Without the corners between straight pieces that a straight piece past them explains within
+/// `tolerance` (metres): steps in a wall that are no larger than the noise.
+fn without_jogs(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
+    // What was left out between each vertex and the next.
+    let mut passed: Vec<Vec<Point>> = vec![Vec::new(); vertices.len()];
+    let off = |p: Point, a: Point, b: Point| {
+        let along = b - a;
+        let t = ((p - a).dot(&along) / along.norm_squared().max(1e-18)).clamp(0.0, 1.0);
+        (a + along * t - p).norm()
+    };
+    while vertices.len() > least(&vertices) {
+        let count = vertices.len();
+        let straight = |k: usize| vertices[k].bulge == 0.0;
+        let least = (0..count)
+            .filter(|&k| straight(k) && straight((k + count - 1) % count))
+            .map(|k| {
+                let before = (k + count - 1) % count;
+                let (a, b) = (vertices[before].at, vertices[(k + 1) % count].at);
+                let points = passed[before].iter().chain(&passed[k]);
+                let worst = points.map(|p| off(*p, a, b)).fold(off(vertices[k].at, a, b), f64::max);
+                (k, worst)
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((k, _)) = least.filter(|(_, worst)| *worst < tolerance) else {
+            break;
+        };
+        let mut more = passed.remove(k);
+        let gone = vertices.remove(k);
+        more.push(gone.at);
+        let before = (k + count - 1) % count;
+        let before = if before > k { before - 1 } else { before };
+        passed[before].append(&mut more);
+    }
+    vertices
+}
+
+/// With the inner corners that were cut off where the last contacts of two walls gave runs too short to be
+/// drawn out, while the walls as a whole are long enough to tell where they meet.
+fn with_corners(mut vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
+    let mut k = 0;
+    while vertices.len() > 4 && k < vertices.len() {
+        let count = vertices.len();
+        let at = |n: usize| vertices[(k + count + n - 1) % count];
+        // The cut leads from the second of these to the third.
+        let four = [at(0), at(1), at(2), at(3)];
+        let straight = four[..3].iter().all(|vertex| vertex.bulge == 0.0);
+        let corner = judge.cut_off(four.map(|vertex| vertex.at)).filter(|_| straight);
+        if let Some(corner) = corner {
+            // The later one leaves along its own wall.
+            let next = (k + 1) % count;
+            vertices[next].at = corner;
+            vertices.remove(k);
+        }
+        k += 1;
+    }
+    vertices
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::shape::Sample;
+
+    fn plain_of(corners: &[(f64, f64, f64)]) -> Vec<Vertex> {
+        let of = |&(x, y, bulge): &(f64, f64, f64)| Vertex { at: Point::new(x, y), bulge, run: 0 };
+        let samples: [Sample; 0] = [];
+        let judge = Judge { samples: &samples, sigma: 0.001, reach: 0.16 };
+        plain(corners.iter().map(of).collect(), &judge)
+    }
+
+    #[test]
+    fn half_a_disc_keeps_one_arc_and_one_wall() {
+        // The wall steps by 3 mm, and the arc of 1 m, drawn in two, is 4 mm off at their joint.
+        let quarter = angle::tan(angle::PI / 8.0);
+        let left = plain_of(&[
+            (-1.0, 0.0, 0.0),
+            (0.4, 0.003, 0.0),
+            (1.0, 0.0, quarter),
+            (0.0, 1.004, quarter),
+        ]);
+        assert_eq!(left.len(), 2);
+        assert!((left[1].bulge - 1.0).abs() < 0.01, "{}", left[1].bulge);
+        assert_eq!(left[0].bulge, 0.0);
+    }
+
+    #[test]
+    fn arcs_of_two_radii_stay_two() {
+        let left = plain_of(&[(0.0, 0.0, 0.0), (2.0, 0.0, 0.5), (2.0, 1.0, 0.2)]);
+        assert_eq!(left.len(), 3);
+    }
+}

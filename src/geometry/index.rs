@@ -100,10 +100,32 @@ impl SegmentIndex {
     /// [`SegmentIndex::distance`] in one look: quicker when `most` is a close bound.
     #[must_use]
     pub fn distance_within(&self, p: Point, most: f64) -> f64 {
+        let grid = &self.grid;
+        let half_diagonal = grid.cell * HALF_DIAGONAL;
+        let at = (p - grid.origin) / grid.cell;
+        let nearest = at.y.round().clamp(0.0, grid.height as f64 - 1.0) as usize;
         let mut best = most * most;
-        self.near(&Segment::new(p, p), most, |k| {
-            best = best.min(self.segments[k].distance_squared(p));
-        });
+        // Row by row away from `p`: what was found near by cuts what has to be looked at farther off.
+        let mut look = |row: usize| {
+            let off = (row as f64 - at.y) * grid.cell;
+            let reach = best.sqrt() + half_diagonal;
+            let square = reach * reach - off * off;
+            let half = square.max(0.0).sqrt() / grid.cell;
+            let (low, high) = ((at.x - half).ceil().max(0.0), (at.x + half).floor());
+            if high >= low && low < grid.width as f64 {
+                let (first, last) = (low as usize, (high as usize).min(grid.width - 1));
+                let row = row * grid.width;
+                let listed =
+                    self.starts[row + first] as usize..self.starts[row + last + 1] as usize;
+                for &number in &self.entries[listed] {
+                    best = best.min(self.segments[number as usize].distance_squared(p));
+                }
+            }
+            square >= 0.0
+        };
+        // Each until nothing of the next row can be nearer.
+        let _ = (nearest..grid.height).find(|row| !look(*row));
+        let _ = (0..nearest).rev().find(|row| !look(*row));
         best.sqrt()
     }
 

@@ -3,6 +3,7 @@
 
 use super::segment::Segment;
 use super::{Point, Vector};
+use std::ops::Range;
 
 /// Square cells over a box; a cell stands for its centre.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,47 +117,79 @@ impl Grid {
         radius: f64,
         mut visit: impl FnMut(usize, usize, usize),
     ) {
-        let (a, b) = (segment.from - self.origin, segment.to() - self.origin);
-        let first = ((a.y.min(b.y) - radius) / self.cell).ceil().max(0.0);
-        let last = ((a.y.max(b.y) + radius) / self.cell).floor();
-        if last < first {
-            return;
+        let slice = Slice::new(self, segment, radius);
+        for row in slice.rows.clone() {
+            if let Some((first, last)) = slice.run(row) {
+                visit(row, first, last);
+            }
         }
-        let last = (last as usize).min(self.height.saturating_sub(1));
-        let slice = Slice::new(a, b, radius);
-        for row in first as usize..=last {
-            let Some((low, high)) = slice.at(row as f64 * self.cell) else {
-                continue;
-            };
-            let low = (low / self.cell).ceil().max(0.0);
-            let high = (high / self.cell).floor();
-            if high >= low && low < self.width as f64 {
-                visit(row, low as usize, (high as usize).min(self.width - 1));
+    }
+
+    /// The same without the cells that [`Grid::stadium_runs`] visits for the radius `inner`, if that is
+    /// more than nothing: up to two runs in each row.
+    pub fn rim_runs(
+        &self,
+        segment: &Segment,
+        (inner, outer): (f64, f64),
+        mut visit: impl FnMut(usize, usize, usize),
+    ) {
+        let hole = (inner > 0.0).then(|| Slice::new(self, segment, inner));
+        let slice = Slice::new(self, segment, outer);
+        for row in slice.rows.clone() {
+            let Some((first, last)) = slice.run(row) else { continue };
+            match hole.as_ref().and_then(|hole| hole.run(row)) {
+                None => visit(row, first, last),
+                Some((from, to)) => {
+                    if first < from {
+                        visit(row, first, from - 1);
+                    }
+                    if to < last {
+                        visit(row, to + 1, last);
+                    }
+                }
             }
         }
     }
 }
 
-/// Horizontal slices through the stadium around a segment.
-struct Slice {
+/// Horizontal slices through the stadium around a segment, as runs of a grid's cells.
+struct Slice<'a> {
+    grid: &'a Grid,
     a: Vector,
     b: Vector,
     radius: f64,
     /// From the segment to its left side, `radius` long.
     side: Vector,
     slope: f64,
+    /// The rows that it may cut.
+    rows: Range<usize>,
 }
 
-impl Slice {
-    fn new(a: Vector, b: Vector, radius: f64) -> Self {
+impl<'a> Slice<'a> {
+    fn new(grid: &'a Grid, segment: &Segment, radius: f64) -> Self {
+        let (a, b) = (segment.from - grid.origin, segment.to() - grid.origin);
+        let first = ((a.y.min(b.y) - radius) / grid.cell).ceil().max(0.0);
+        let end = ((a.y.max(b.y) + radius) / grid.cell).floor() + 1.0;
+        let rows = first as usize..(end.max(0.0) as usize).min(grid.height);
         let along = b - a;
         let side = along
             .try_normalize(1e-12)
             .map_or_else(Vector::zeros, |u| Vector::new(-u.y, u.x) * radius);
         let slope = if along.y.abs() > 1e-12 { along.x / along.y } else { f64::INFINITY };
-        Self { a, b, radius, side, slope }
+        Self { grid, a, b, radius, side, slope, rows }
     }
 
+    /// First and last cell in `row`, if there is one.
+    fn run(&self, row: usize) -> Option<(usize, usize)> {
+        let y = self.rows.contains(&row).then(|| row as f64 * self.grid.cell)?;
+        let (low, high) = self.at(y)?;
+        let low = (low / self.grid.cell).ceil().max(0.0);
+        let high = (high / self.grid.cell).floor();
+        let any = high >= low && low < self.grid.width as f64;
+        any.then(|| (low as usize, (high as usize).min(self.grid.width - 1)))
+    }
+
+    /// From where to where the row at height `y` is cut.
     fn at(&self, y: f64) -> Option<(f64, f64)> {
         let mut span: Option<(f64, f64)> = None;
         let mut add = |low: f64, high: f64| {

@@ -49,6 +49,15 @@ fn runs_of_a_stadium_are_the_cells_within_its_radius() {
         grid.stadium_runs(&segment, 0.28, |row, first, last| {
             seen[row * grid.width + first..=row * grid.width + last].fill(true);
         });
+        let mut in_two = vec![0; grid.len()];
+        let mut count = |row: usize, first: usize, last: usize| {
+            in_two[row * grid.width + first..=row * grid.width + last]
+                .iter_mut()
+                .for_each(|n| *n += 1);
+        };
+        grid.rim_runs(&segment, (0.0, 0.15), &mut count);
+        grid.rim_runs(&segment, (0.15, 0.28), &mut count);
+        assert!(in_two.iter().zip(&seen).all(|(n, seen)| *n == i32::from(*seen)), "{a:?} to {b:?}");
         for (cell, &found) in seen.iter().enumerate() {
             let off = segment.distance_squared(grid.point(cell)).sqrt() - 0.28;
             if off.abs() > 1e-9 {

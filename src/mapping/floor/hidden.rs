@@ -197,28 +197,26 @@ impl<'a> Unswept<'a> {
 }
 
 /// Lowers the radii that the sweep of one more segment cuts. What it cuts hangs together with the
-/// swath itself, so one goes outwards from there until nothing changes any more.
+/// swath itself, so one goes outwards from there, rim by rim, until nothing changes any more.
 fn lower(grid: &Grid, segment: &Segment, reach: f64, field: &mut [f32]) {
     let (mut inner, mut outer) = (0.0, reach + 4.0 * grid.cell);
     loop {
         let mut changed = false;
-        grid.stadium_runs(segment, outer, |row, first, last| {
+        grid.rim_runs(segment, (inner, outer), |row, first, last| {
             for x in first..=last {
                 let value = &mut field[row * grid.width + x];
                 let square = segment.distance_squared(grid.center(x, row));
                 let limit = f64::from(*value) + reach;
                 if limit > 0.0 && square < limit * limit {
                     *value = (square.sqrt() - reach) as f32;
-                    changed |= square > inner;
+                    changed = true;
                 }
             }
         });
         if !changed {
             return;
         }
-        let rim = outer - 2.0 * grid.cell;
-        inner = rim * rim;
-        outer *= 1.6;
+        (inner, outer) = (outer, outer * 1.6);
     }
 }
 

@@ -181,7 +181,7 @@ impl<'a> Slice<'a> {
 
     /// First and last cell in `row`, if there is one.
     fn run(&self, row: usize) -> Option<(usize, usize)> {
-        let y = self.rows.contains(&row).then(|| row as f64 * self.grid.cell)?;
+        let y = self.rows.contains(&row).then_some(row as f64 * self.grid.cell)?;
         let (low, high) = self.at(y)?;
         let low = (low / self.grid.cell).ceil().max(0.0);
         let high = (high / self.grid.cell).floor();

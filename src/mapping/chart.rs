@@ -11,6 +11,7 @@ use super::survey::{Surface, Survey, Tie, worse};
 use super::wall::Sighting;
 use crate::geometry::{Piece, Point, Pose, Ring, perp};
 use nalgebra::Matrix2;
+use std::ops::Range;
 
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
@@ -37,6 +38,15 @@ fn tolerance(survey: &Survey, place: Point, tie: &Tie) -> f64 {
     (DEVIATIONS * survey.looseness(place, tie)).clamp(KNOWN, MOST_KNOWN)
 }
 
+/// What a ring hangs on.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Hung {
+    /// All of it on one place.
+    Once(Tie),
+    /// Each contact on those of these knots between which it was seen.
+    Along(Range<usize>),
+}
+
 /// One ring as it was fitted, what it hangs on, and where it is now.
 #[derive(Debug, Clone)]
 struct Charted {
@@ -44,19 +54,36 @@ struct Charted {
     contacts: Vec<Contact>,
     /// How many contacts lie on each piece of it.
     held: Vec<usize>,
-    /// One tie for all of it (an object), or none: each contact has its own by its time.
-    tie: Option<Tie>,
+    hung: Hung,
     shown: Ring,
 }
 
 impl Charted {
-    fn new(outline: &Ring, contacts: &[Contact], tie: Option<Tie>) -> Self {
+    fn new(outline: &Ring, contacts: &[Contact], hung: Hung) -> Self {
         let mut held = vec![0; outline.pieces.len()];
         for foot in contacts.iter().filter_map(|contact| outline.nearest(contact.point)) {
             held[foot.piece] += usize::from(foot.distance < HOLDS);
         }
         let (nominal, shown) = (outline.clone(), outline.clone());
-        Self { nominal, contacts: contacts.to_vec(), held, tie, shown }
+        Self { nominal, contacts: contacts.to_vec(), held, hung, shown }
+    }
+
+    /// What a contact seen at `time_us` hangs on.
+    fn tie_at(&self, survey: &Survey, time_us: u64) -> Tie {
+        match &self.hung {
+            Hung::Once(tie) => *tie,
+            Hung::Along(knots) => survey.tie_within(time_us, knots),
+        }
+    }
+
+    /// What the place `nominal` hangs on: as the contact nearest to it.
+    fn tie(&self, survey: &Survey, nominal: Point) -> Tie {
+        if let Hung::Once(tie) = self.hung {
+            return tie;
+        }
+        let off = |contact: &&Contact| (contact.point - nominal).norm_squared();
+        let nearest = self.contacts.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.tie_at(survey, nearest.map_or(0, Contact::time_us))
     }
 
     /// Root mean square distance from the ring of the contacts near `nominal`, a place on its piece
@@ -87,18 +114,18 @@ impl Chart {
     pub fn new(map: &RoomMap, survey: &Survey) -> Self {
         let lap_knots = survey.knots();
         let outline = map.shape.as_ref().map(|shape| shape.outline.clone()).unwrap_or_default();
-        let boundary = Charted::new(&outline, &map.contacts, None);
+        let boundary = Charted::new(&outline, &map.contacts, Hung::Along(0..lap_knots));
         let mut chart = Self { rings: vec![boundary], lap_knots };
         for object in &map.objects {
             let begin = object.contacts.first().map_or(0, Contact::time_us);
-            chart.add(object, survey.tie(begin, lap_knots));
+            chart.add(object, Hung::Once(survey.tie(begin, lap_knots)));
         }
         chart
     }
 
-    /// Adds an object that hangs on `tie`.
-    pub fn add(&mut self, object: &MappedObject, tie: Tie) {
-        self.rings.push(Charted::new(&object.outline, &object.contacts, Some(tie)));
+    /// Adds an object and what it hangs on.
+    pub fn add(&mut self, object: &MappedObject, hung: Hung) {
+        self.rings.push(Charted::new(&object.outline, &object.contacts, hung));
     }
 
     /// The wall line as believed now.
@@ -131,7 +158,7 @@ impl Chart {
     #[must_use]
     pub fn tolerance(&self, survey: &Survey, p: Point, whose: Option<usize>) -> f64 {
         let charted = &self.rings[whose.map_or(0, |index| index + 1)];
-        tolerance(survey, p, &self.tie(charted, survey, p))
+        tolerance(survey, p, &charted.tie(survey, p))
     }
 
     /// One standard deviation of the robot's position beside the boundary nearest to `p`, metres.
@@ -143,7 +170,7 @@ impl Chart {
     /// Covariance of the robot's position beside the boundary nearest to `p`, x and y, square metres.
     #[must_use]
     pub fn spread(&self, survey: &Survey, p: Point) -> Matrix2<f64> {
-        let spread = survey.spread_beside(p, &self.tie(&self.rings[0], survey, p));
+        let spread = survey.spread_beside(p, &self.rings[0].tie(survey, p));
         spread.fixed_view::<2, 2>(0, 0).into_owned()
     }
 
@@ -152,7 +179,7 @@ impl Chart {
     pub fn tie_at(&self, survey: &Survey, p: Point) -> Option<Tie> {
         let nearest =
             self.rings.iter().min_by(|a, b| a.shown.distance(p).total_cmp(&b.shown.distance(p)))?;
-        (survey.knots() > 0).then(|| self.tie(nearest, survey, p))
+        (survey.knots() > 0).then(|| nearest.tie(survey, p))
     }
 
     /// What is charted, boundary first, as it was before the survey moved it: outline, and what its
@@ -162,7 +189,7 @@ impl Chart {
         survey: &'a Survey,
         p: Point,
     ) -> impl Iterator<Item = (&'a Ring, Tie)> {
-        self.rings.iter().map(move |charted| (&charted.nominal, self.tie(charted, survey, p)))
+        self.rings.iter().map(move |charted| (&charted.nominal, charted.tie(survey, p)))
     }
 
     /// The mapped surface, no more than `within` metres away, on which a contact lies: away from
@@ -200,7 +227,7 @@ impl Chart {
         }
         let normal = perp(piece.tangent(foot.t));
         let nominal = charted.nominal.pieces[foot.piece].at(foot.t);
-        let tie = self.tie(charted, survey, nominal);
+        let tie = charted.tie(survey, nominal);
         let at = nominal + survey.displacement(nominal, &tie);
         Some(Surface { at, normal, tie, sd: charted.raggedness(nominal, foot.piece), within })
     }
@@ -218,15 +245,6 @@ impl Chart {
         near.then(|| survey.touch(pose, seen.point, &Surface { within, ..surface }))?
     }
 
-    fn tie(&self, charted: &Charted, survey: &Survey, nominal: Point) -> Tie {
-        charted.tie.unwrap_or_else(|| {
-            let nearest = charted.contacts.iter().min_by(|a, b| {
-                (a.point - nominal).norm_squared().total_cmp(&(b.point - nominal).norm_squared())
-            });
-            survey.tie(nearest.map_or(0, Contact::time_us), self.lap_knots)
-        })
-    }
-
     /// Moves the rings to where the survey now believes them; returns the largest move of any
     /// corner since the last time, metres.
     pub fn refresh(&mut self, survey: &Survey) -> f64 {
@@ -235,7 +253,7 @@ impl Chart {
             .rings
             .iter()
             .map(|charted| {
-                charted.nominal.deformed(|p| survey.displacement(p, &self.tie(charted, survey, p)))
+                charted.nominal.deformed(|p| survey.displacement(p, &charted.tie(survey, p)))
             })
             .collect();
         for (charted, ring) in self.rings.iter_mut().zip(moved) {
@@ -254,8 +272,7 @@ impl Chart {
                 .contacts
                 .iter()
                 .map(|contact| {
-                    let own = || survey.tie(contact.time_us(), self.lap_knots);
-                    let tie = charted.tie.unwrap_or_else(own);
+                    let tie = charted.tie_at(survey, contact.time_us());
                     Contact {
                         point: contact.point + survey.displacement(contact.point, &tie),
                         from: contact.from + survey.displacement(contact.from, &tie),
@@ -276,7 +293,11 @@ impl Chart {
 
     /// Writes into `map`, which began at `start`, how well it is known.
     pub fn state_errors(&self, survey: &Survey, start: Point, map: &mut RoomMap) {
-        let ties: Vec<Tie> = self.rings[1..].iter().filter_map(|charted| charted.tie).collect();
+        let middle = |ring: &Ring| ring.bounds().map(|(low, high)| nalgebra::center(&low, &high));
+        let of = |charted: &Charted| {
+            charted.tie(survey, middle(&charted.nominal).unwrap_or_else(Point::origin))
+        };
+        let ties: Vec<Tie> = self.rings[1..].iter().map(of).collect();
         let judge = Judge { survey, lap_knots: self.lap_knots, start, objects: &ties };
         map.accuracy = judge.judge(map);
     }
@@ -356,7 +377,7 @@ mod tests {
             closed: true,
             contacts: vec![contact(2.0, 1.5, 1.0)],
         };
-        chart.add(&object, tie);
+        chart.add(&object, Hung::Once(tie));
         let seen = Point::new(2.0, 1.515);
         let below = chart.surface_at(&survey, seen, Point::new(2.0, 1.35), 0.15);
         assert!((below.expect("the lower face").at.y - 1.5).abs() < 1e-9);
@@ -377,7 +398,7 @@ mod tests {
             closed: true,
             contacts: vec![contact(1.7, 1.5, 1.0)],
         };
-        chart.add(&object, tie);
+        chart.add(&object, Hung::Once(tie));
         assert_eq!(chart.distance(Point::new(2.0, 1.6)), (0.0, Some(0)));
         let (near, whose) = chart.distance(Point::new(2.0, 0.4));
         assert!((near - 0.4).abs() < 1e-9 && whose.is_none());

@@ -27,6 +27,7 @@ use super::calibration::Measured;
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use std::ops::Range;
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
@@ -174,7 +175,14 @@ impl Survey {
     /// `count` knots are looked at.
     #[must_use]
     pub fn tie(&self, time_us: u64, count: usize) -> Tie {
-        let knots = &self.knots[..count.min(self.knots.len())];
+        self.tie_within(time_us, &(0..count))
+    }
+
+    /// The same for the knots `within`, which follow each other in time.
+    #[must_use]
+    pub fn tie_within(&self, time_us: u64, within: &Range<usize>) -> Tie {
+        let offset = within.start.min(self.knots.len());
+        let knots = &self.knots[offset..within.end.clamp(offset, self.knots.len())];
         let after = knots.partition_point(|knot| knot.time_us <= time_us);
         let first = after.saturating_sub(1);
         let second = after.min(knots.len().saturating_sub(1));
@@ -184,7 +192,25 @@ impl Survey {
         } else {
             0.0
         };
-        Tie { first, second, share }
+        Tie { first: offset + first, second: offset + second, share }
+    }
+
+    /// What was driven from knot `begun` to knot `back` is mapped now as it lay from where it began: its
+    /// knots are where that has them, and have the error of the beginning in common. What is known of
+    /// each beyond that stays known. The knots that what was mapped hangs on.
+    pub fn mapped_from(&mut self, begun: &Tie, back: &Tie) -> Range<usize> {
+        let turn = self.mean[FIRST_KNOT + 3 * begun.first + 2];
+        for index in begun.first + 1..=back.first {
+            let row = FIRST_KNOT + 3 * index;
+            let believed = self.knots[index].at + Vector::new(self.mean[row], self.mean[row + 1]);
+            let at = believed - self.displacement(believed, begun);
+            let moved = self.displacement(at, begun);
+            self.knots[index].at = at;
+            for (k, value) in [moved.x, moved.y, turn].into_iter().enumerate() {
+                self.mean[row + k] = value;
+            }
+        }
+        begun.first..back.first + 1
     }
 
     /// Takes the corrections so far as the new nominal survey.

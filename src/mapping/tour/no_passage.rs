@@ -4,6 +4,7 @@
 use super::rounds::{Round, here};
 use super::{Scene, Tour};
 use crate::geometry::Point;
+use crate::mapping::chart::Hung;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
 use crate::mapping::map::{Contact, MappedObject};
@@ -93,7 +94,11 @@ impl Tour {
         }
         for thing in things(contacts, &self.chassis) {
             let id = scene.map.objects.len() as u32 + 1;
-            self.record(MappedObject { closed: false, ..thing.numbered(id) }, tie, scene);
+            self.record(
+                MappedObject { closed: false, ..thing.numbered(id) },
+                Hung::Once(tie),
+                scene,
+            );
             scene.tell.push(EventKind::ObjectBehind { id });
         }
         self.resume(round.drive);

@@ -6,6 +6,7 @@ use super::no_passage::Reversed;
 use super::{Doing, MOST_LEFT_OPEN, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
 use crate::mapping::adjust::Adjustment;
+use crate::mapping::chart::Hung;
 use crate::mapping::circuit::{Circuit, Leg};
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
@@ -21,6 +22,9 @@ use crate::robot::Chassis;
 
 /// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
 const MATTERS: f64 = 0.003;
+/// Going round something large, the pose is kept in the survey every so often, metres: what was seen on its
+/// far side does not turn with its near one.
+const KEPT_EVERY: f64 = 2.0;
 /// Metres driven again after a round has closed, for its misclosure.
 const ROUND_OVERLAP: f64 = 0.25;
 
@@ -80,7 +84,7 @@ impl Tour {
                 let mut contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let seen = things(contacts.clone(), &self.chassis);
                 adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
-                let tie = round.close(&overlap, scene);
+                let hung = round.close(&overlap, scene);
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.
                     for contact in &contacts {
@@ -100,7 +104,7 @@ impl Tour {
                 }
                 let wall = &round.circuit.wall;
                 let found = lap_things(wall, &closure, &adjustment, contacts, &self.chassis);
-                self.record_round(found, tie, scene);
+                self.record_round(found, &hung, scene);
                 self.resume(round.drive);
                 None
             }
@@ -132,8 +136,8 @@ impl Tour {
                 closed: false,
                 contacts,
             };
-            let tie = here(scene);
-            self.record(object, tie, scene);
+            let hung = Hung::Once(here(scene));
+            self.record(object, hung, scene);
         }
         self.go_on(round.drive, scene)
     }
@@ -152,21 +156,21 @@ impl Tour {
         None
     }
 
-    /// Adds what a whole round went round to map and chart; it hangs on `tie`.
-    fn record_round(&mut self, found: Vec<Thing>, tie: Tie, scene: &mut Scene<'_>) {
+    /// Adds what a whole round went round to map and chart, with what it hangs on.
+    fn record_round(&mut self, found: Vec<Thing>, hung: &Hung, scene: &mut Scene<'_>) {
         // Of two that stand close to each other one may be on the map already.
         let fresh: Vec<Thing> =
             found.into_iter().filter(|thing| !self.is_known(&thing.contacts)).collect();
         for (n, thing) in fresh.into_iter().enumerate() {
             let id = scene.map.objects.len() as u32 + 1;
-            self.record(thing.numbered(id), tie, scene);
+            self.record(thing.numbered(id), hung.clone(), scene);
             scene.tell.push(EventKind::gone_round(id, n == 0));
         }
     }
 
-    /// Adds an object to map and chart; it hangs on `tie`.
-    pub(super) fn record(&mut self, object: MappedObject, tie: Tie, scene: &mut Scene<'_>) {
-        self.chart.add(&object, tie);
+    /// Adds an object to map and chart, with what it hangs on.
+    pub(super) fn record(&mut self, object: MappedObject, hung: Hung, scene: &mut Scene<'_>) {
+        self.chart.add(&object, hung);
         scene.map.objects.push(object);
     }
 
@@ -222,8 +226,8 @@ impl Tour {
                     if side == Side::Right {
                         contacts.reverse();
                     }
-                    let tie = here(scene);
-                    self.record_round(things(contacts, &self.chassis), tie, scene);
+                    let hung = Hung::Once(here(scene));
+                    self.record_round(things(contacts, &self.chassis), &hung, scene);
                 } else {
                     self.halves.push((pass.drive.id, Half { side, contacts: seen }));
                     pass.drive.again = true;
@@ -249,6 +253,8 @@ pub(super) struct Round {
     pub(super) id: u32,
     /// Where the round began: what is mapped on it hangs on that.
     pub(super) begun: Option<(Tie, Point)>,
+    /// Metres travelled when the pose was last kept in the survey.
+    pub(super) kept: f64,
     /// Metres travelled when what it goes round was last compared with the map.
     pub(super) compared: f64,
     /// Where it came back to its beginning, as far as it looks.
@@ -266,7 +272,16 @@ impl Round {
         id: u32,
     ) -> Self {
         let circuit = Box::new(Circuit::new(chassis, side, wall, ROUND_OVERLAP));
-        Self { circuit, drive, id, begun: None, compared: 0.0, back: None, reversed: None }
+        Self {
+            circuit,
+            drive,
+            id,
+            begun: None,
+            kept: 0.0,
+            compared: 0.0,
+            back: None,
+            reversed: None,
+        }
     }
 
     /// The line it interrupted.
@@ -276,8 +291,14 @@ impl Round {
 
     /// Keeps the pose in the survey where the round begins, and where it comes back to that.
     fn mark(&mut self, scene: &mut Scene<'_>) {
+        let travelled = scene.tracker.travelled();
         if self.begun.is_none() && self.circuit.first_anchor().is_some() {
             self.begun = Some((here(scene), scene.tracker.pose().position));
+            self.kept = travelled;
+        }
+        if self.begun.is_some() && travelled > self.kept + KEPT_EVERY {
+            here(scene);
+            self.kept = travelled;
         }
         if !self.circuit.looks_closed() {
             self.back = None;
@@ -288,12 +309,12 @@ impl Round {
 
     /// Lays the end of the round on its beginning, which corrects the pose; what its contacts hang
     /// on.
-    fn close(&self, overlap: &Overlap, scene: &mut Scene<'_>) -> Tie {
-        if let (Some((begun, _)), Some((back, at))) = (&self.begun, &self.back) {
-            overlap.close(scene.survey, begun, back, *at);
-            scene.tracker.correct(scene.survey.take_pose(scene.tracker.pose()));
-        }
-        self.begun.map_or_else(|| here(scene), |(tie, _)| tie)
+    fn close(&self, overlap: &Overlap, scene: &mut Scene<'_>) -> Hung {
+        let Some((begun, _)) = &self.begun else { return Hung::Once(here(scene)) };
+        let Some((back, at)) = &self.back else { return Hung::Once(*begun) };
+        overlap.close(scene.survey, begun, back, *at);
+        scene.tracker.correct(scene.survey.take_pose(scene.tracker.pose()));
+        Hung::Along(scene.survey.mapped_from(begun, back))
     }
 }
 

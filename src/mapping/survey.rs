@@ -12,6 +12,7 @@
 //! on small corrections to a nominal survey: linear but for the residuals.
 
 mod balance;
+mod knots;
 mod motion;
 mod sight;
 mod sureness;
@@ -27,7 +28,6 @@ use super::calibration::Measured;
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
-use std::ops::Range;
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
@@ -142,88 +142,6 @@ impl Survey {
         self.mean[BIAS] = rate;
     }
 
-    /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
-    pub fn mark(&mut self, at: Point, time_us: u64) -> Tie {
-        self.settle();
-        let size = self.mean.len();
-        let mut covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
-        for k in 0..3 {
-            for other in 0..size {
-                let value = covariance[(k, other)];
-                covariance[(size + k, other)] = value;
-                covariance[(other, size + k)] = value;
-            }
-        }
-        for k in 0..3 {
-            for l in 0..3 {
-                covariance[(size + k, size + l)] = covariance[(k, l)];
-            }
-        }
-        self.covariance = covariance;
-        let pose = [self.mean[0], self.mean[1], self.mean[2]];
-        self.mean =
-            std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
-        for (k, value) in pose.into_iter().enumerate() {
-            self.mean[size + k] = value;
-        }
-        self.knots.push(Knot { at, time_us });
-        let index = self.knots.len() - 1;
-        Tie { first: index, second: index, share: 0.0 }
-    }
-
-    /// What was seen at `time_us` on the lap hangs on the knots before and after; only the first
-    /// `count` knots are looked at.
-    #[must_use]
-    pub fn tie(&self, time_us: u64, count: usize) -> Tie {
-        self.tie_within(time_us, &(0..count))
-    }
-
-    /// The same for the knots `within`, which follow each other in time.
-    #[must_use]
-    pub fn tie_within(&self, time_us: u64, within: &Range<usize>) -> Tie {
-        let offset = within.start.min(self.knots.len());
-        let knots = &self.knots[offset..within.end.clamp(offset, self.knots.len())];
-        let after = knots.partition_point(|knot| knot.time_us <= time_us);
-        let first = after.saturating_sub(1);
-        let second = after.min(knots.len().saturating_sub(1));
-        let (from, to) = (knots[first].time_us, knots[second].time_us);
-        let share = if to > from {
-            (time_us.saturating_sub(from) as f64 / (to - from) as f64).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        Tie { first: offset + first, second: offset + second, share }
-    }
-
-    /// What was driven from knot `begun` to knot `back` is mapped now as it lay from where it began: its
-    /// knots are where that has them, and have the error of the beginning in common. What is known of
-    /// each beyond that stays known. The knots that what was mapped hangs on.
-    pub fn mapped_from(&mut self, begun: &Tie, back: &Tie) -> Range<usize> {
-        let turn = self.mean[FIRST_KNOT + 3 * begun.first + 2];
-        for index in begun.first + 1..=back.first {
-            let row = FIRST_KNOT + 3 * index;
-            let believed = self.knots[index].at + Vector::new(self.mean[row], self.mean[row + 1]);
-            let at = believed - self.displacement(believed, begun);
-            let moved = self.displacement(at, begun);
-            self.knots[index].at = at;
-            for (k, value) in [moved.x, moved.y, turn].into_iter().enumerate() {
-                self.mean[row + k] = value;
-            }
-        }
-        begun.first..back.first + 1
-    }
-
-    /// Takes the corrections so far as the new nominal survey.
-    pub fn rebase(&mut self) {
-        for (index, knot) in self.knots.iter_mut().enumerate() {
-            let row = FIRST_KNOT + 3 * index;
-            knot.at += Vector::new(self.mean[row], self.mean[row + 1]);
-            for k in 0..3 {
-                self.mean[row + k] = 0.0;
-            }
-        }
-    }
-
     /// All lengths are `stretch` times what they were believed to be, `about` staying where it is.
     /// What is known of the errors is as good as it was: a taped length corrects what no closure sees.
     pub fn stretch(&mut self, stretch: f64, about: Point) {
@@ -259,41 +177,6 @@ impl Survey {
     /// It was told that now.
     pub fn smoothed(&mut self) {
         self.smoothed = true;
-    }
-
-    /// How many knots there are.
-    #[must_use]
-    pub fn knots(&self) -> usize {
-        self.knots.len()
-    }
-
-    /// Where the first knot that `tie` hangs on was believed to be when it was marked.
-    #[must_use]
-    pub fn place_of(&self, tie: &Tie) -> Point {
-        self.knots[tie.first].at
-    }
-
-    /// By how much what is tied by `tie` and was believed at `point` when its knots were marked is
-    /// now believed to be elsewhere.
-    #[must_use]
-    pub fn displacement(&self, point: Point, tie: &Tie) -> Vector {
-        let of = |index: usize| {
-            let row = FIRST_KNOT + 3 * index;
-            let arm = perp(point - self.knots[index].at);
-            Vector::new(self.mean[row], self.mean[row + 1]) + arm * self.mean[row + 2]
-        };
-        of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share
-    }
-
-    /// Where a pose goes that hangs on `tie`.
-    #[must_use]
-    pub fn place(&self, pose: Pose, tie: &Tie) -> Pose {
-        let of = |index: usize| self.mean[FIRST_KNOT + 3 * index + 2];
-        let turn = of(tie.first) * (1.0 - tie.share) + of(tie.second) * tie.share;
-        Pose {
-            position: pose.position + self.displacement(pose.position, tie),
-            heading: angle::wrap(pose.heading + turn),
-        }
     }
 
     /// Rows of (x, y, heading) of what knot `late` is off from where knot `early` puts it.

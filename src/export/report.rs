@@ -1,14 +1,16 @@
 //! `report.json`: the figures of a run. Keys and units are part of the program's contract.
 
-use super::{Outcome, PHASES, RunRecord, boundary, rectangle, rounded};
-use crate::mapping::accuracy::Accuracy;
+mod outline;
+
+use super::{Outcome, PHASES, RunRecord, rectangle, rounded};
 use crate::mapping::calibration::{Calibration, Measured};
 use crate::mapping::map::{
-    Misclosure, ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
+    ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
 };
 use crate::mapping::settings::{Contour, Strategy};
 use crate::mapping::trust::Doubted;
 use crate::mapping::unreached::Unreached;
+use outline::Boundary;
 use serde::Serialize;
 
 /// The report as the text of a JSON file. `map_bytes` is the size of `map.json`.
@@ -115,63 +117,6 @@ struct PhaseFigures {
 }
 
 #[derive(Serialize)]
-struct Boundary {
-    perimeter_m: f64,
-    area_m2: f64,
-    /// Closed laps, those round objects met in the search included.
-    laps: u32,
-    /// How many laps the boundary is the mean of.
-    averaged_laps: u32,
-    misclosure: Option<MisclosureFigures>,
-    /// Null until there is an outline.
-    standard_error: Option<ErrorFigures>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    squared: Option<SquaredFigures>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    taped: Option<TapedFigures>,
-}
-
-/// What squaring changed; what was mapped is in `map.geojson`.
-#[derive(Serialize)]
-struct SquaredFigures {
-    walls: usize,
-    left: usize,
-    turned_deg: f64,
-    moved_m: f64,
-}
-
-/// Standard errors in the map frame, metres.
-#[derive(Serialize)]
-struct ErrorFigures {
-    walls: Spread,
-    corners: Spread,
-}
-
-#[derive(Serialize)]
-struct Spread {
-    median_m: f64,
-    worst_m: f64,
-}
-
-/// What a taped length made of the map.
-#[derive(Serialize)]
-struct TapedFigures {
-    mapped_m: f64,
-    taped_m: f64,
-    /// Real over believed travel of the wheels.
-    stretch: f64,
-}
-
-#[derive(Serialize)]
-struct MisclosureFigures {
-    dx_m: f64,
-    dy_m: f64,
-    heading_deg: f64,
-    /// N of 1:N; null when nothing was off.
-    ratio: Option<f64>,
-}
-
-#[derive(Serialize)]
 struct ShapeFigures {
     class: ShapeClass,
     vertices: usize,
@@ -228,7 +173,7 @@ impl<'a> Report<'a> {
             alpha_m: record.settings.alpha,
             contour: record.settings.contour,
             phases: phases(record),
-            boundary: outline(record),
+            boundary: Boundary::of(record),
             shape: map.shape.as_ref().map(shape),
             plan: map.plan.as_ref().map(|plan| plan_report(plan, map.hidden_disc)),
             objects: objects(record),
@@ -256,49 +201,6 @@ fn phases(record: &RunRecord<'_>) -> Vec<PhaseFigures> {
             done: progress.done,
         })
         .collect()
-}
-
-fn outline(record: &RunRecord<'_>) -> Option<Boundary> {
-    let ring = boundary(record.map)?;
-    Some(Boundary {
-        perimeter_m: rounded(ring.perimeter(), 4),
-        area_m2: rounded(ring.area().abs(), 4),
-        laps: record.laps,
-        averaged_laps: record.map.laps,
-        misclosure: record.map.misclosure.as_ref().map(misclosure),
-        standard_error: record.map.accuracy.as_ref().and_then(errors),
-        squared: record.map.squared.as_ref().map(|squared| SquaredFigures {
-            walls: squared.walls,
-            left: squared.left,
-            turned_deg: rounded(squared.turned.to_degrees(), 3),
-            moved_m: rounded(squared.moved, 4),
-        }),
-        taped: record.map.taped.map(|taped| TapedFigures {
-            mapped_m: rounded(taped.mapped, 4),
-            taped_m: taped.taped,
-            stretch: rounded(taped.stretch, 6),
-        }),
-    })
-}
-
-fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {
-    let of = |all: &[f64]| {
-        let mut sorted = all.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let (median, worst) = (*sorted.get(sorted.len() / 2)?, *sorted.last()?);
-        Some(Spread { median_m: rounded(median, 4), worst_m: rounded(worst, 4) })
-    };
-    Some(ErrorFigures { walls: of(&accuracy.walls)?, corners: of(&accuracy.corners)? })
-}
-
-fn misclosure(off: &Misclosure) -> MisclosureFigures {
-    let ratio = off.ratio();
-    MisclosureFigures {
-        dx_m: rounded(off.dx, 5),
-        dy_m: rounded(off.dy, 5),
-        heading_deg: rounded(off.heading.to_degrees(), 4),
-        ratio: ratio.is_finite().then(|| rounded(ratio, 0)),
-    }
 }
 
 fn shape(shape: &Shape) -> ShapeFigures {

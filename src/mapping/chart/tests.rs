@@ -1,3 +1,5 @@
+//! Tests of the chart: which surface a contact is of, and how well that is known.
+
 use super::*;
 use crate::mapping::map::{ContactKind, ObjectClass, Shape, ShapeClass};
 

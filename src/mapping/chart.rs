@@ -54,6 +54,7 @@ struct Charted {
     contacts: Vec<Contact>,
     /// How many contacts lie on each piece of it.
     held: Vec<usize>,
+    /// What it hangs on.
     hung: Hung,
     shown: Ring,
 }

@@ -245,9 +245,9 @@ fn pass_over(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
     over.is_some()
 }
 
-/// Drops a contact or two between the two walls of a corner that lie too near to one of them, and to each
-/// other, to be a wall of their own: chance put them off by more than it mostly does. False when there
-/// are no more such.
+/// Drops a contact or two between the two walls of a corner that lie too near to one of them, or to either
+/// and to each other, to be a wall of their own: chance put them off by more than it mostly does. False
+/// when there are no more such.
 fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
     let count = runs.len();
     // What is left is a ring: three walls, or an arc and one more.
@@ -268,9 +268,9 @@ fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> b
         let thin = u.dot(&v) < -0.8;
         let length = (samples[odd.last].point - samples[odd.first].point).norm();
         let odd = &samples[odd.first..=odd.last];
-        let off = |run: &Run, sample: &Sample| run.distance(sample.point) < BY_CHANCE * sigma;
-        let of_one = [a, b].iter().any(|run| odd.iter().all(|sample| off(run, sample)));
-        let of_either = odd.iter().all(|sample| off(a, sample) || off(b, sample));
+        let is_of = |run: &Run, sample: &Sample| run.distance(sample.point) < BY_CHANCE * sigma;
+        let of_one = [a, b].iter().any(|run| odd.iter().all(|sample| is_of(run, sample)));
+        let of_either = odd.iter().all(|sample| is_of(a, sample) || is_of(b, sample));
         few && !thin && long(a) && long(b) && (of_one || (of_either && length < NO_WALL * sigma))
     });
     if let Some(k) = found {

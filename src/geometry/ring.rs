@@ -167,6 +167,12 @@ impl Ring {
     pub fn bounds(&self) -> Option<(Point, Point)> {
         bounds(&self.to_points(1e-3))
     }
+
+    /// The middle of its bounds; the origin without pieces.
+    #[must_use]
+    pub fn middle(&self) -> Point {
+        self.bounds().map_or_else(Point::origin, |(low, high)| nalgebra::center(&low, &high))
+    }
 }
 
 /// The box around some points: its lowest and highest corner; none without points.

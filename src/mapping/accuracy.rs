@@ -7,8 +7,8 @@
 //! order, as in any adjustment computation (Ghilani, ch. 6).
 
 use super::map::{Contact, RoomMap};
-use super::survey::{Survey, Tie};
-use crate::geometry::{Piece, Point, Ring, cross, perp};
+use super::survey::{Hung, Survey, Tie};
+use crate::geometry::{Piece, Point, cross, perp};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -52,8 +52,8 @@ impl Accuracy {
 /// What is needed to say how well a place is known.
 pub(super) struct Judge<'a> {
     pub(super) survey: &'a Survey,
-    /// Knots of the survey that are of the lap.
-    pub(super) lap_knots: usize,
+    /// What the outline hangs on.
+    pub(super) lap: &'a Hung,
     /// Where the map begins: it is known exactly there.
     pub(super) start: Point,
     /// One for each object of the map.
@@ -69,7 +69,7 @@ impl Judge<'_> {
             let arm = (p - self.start) * scale;
             self.survey.spread_at(p, tie) * (UNIT_WEIGHT * UNIT_WEIGHT) + arm * arm.transpose()
         };
-        let of_lap = |p: Point| at(p, &self.tie(&map.contacts, p));
+        let of_lap = |p: Point| at(p, &self.lap.beside(self.survey, &map.contacts, p));
         let fits: Vec<Fit> = outline.pieces.iter().map(|piece| fit(piece, &map.contacts)).collect();
         let walls = outline.pieces.iter().zip(&fits).map(|(piece, fit)| {
             let across = perp(piece.tangent(0.5));
@@ -83,7 +83,7 @@ impl Judge<'_> {
             (of_lap(b.from()) + met).trace().max(0.0).sqrt()
         });
         let objects = map.objects.iter().zip(self.objects).map(|(object, tie)| {
-            let middle = middle(&object.outline);
+            let middle = object.outline.middle();
             let seen = object.contacts.len().max(1) as f64;
             let fit = RANGE.powi(2) + LEAST_SCATTER.powi(2) / seen;
             (at(middle, tie).trace() + 2.0 * fit).max(0.0).sqrt()
@@ -93,14 +93,6 @@ impl Judge<'_> {
             corners: corners.collect(),
             objects: objects.collect(),
         })
-    }
-
-    /// What a place of the outline hangs on: as the contact nearest to it.
-    fn tie(&self, contacts: &[Contact], p: Point) -> Tie {
-        let nearest = contacts
-            .iter()
-            .min_by(|a, b| (a.point - p).norm_squared().total_cmp(&(b.point - p).norm_squared()));
-        self.survey.tie(nearest.map_or(0, Contact::time_us), self.lap_knots)
     }
 }
 
@@ -131,10 +123,6 @@ fn meeting(a: &Piece, b: &Piece, var_a: f64, var_b: f64) -> Matrix2<f64> {
     // A wall that moves across itself by one moves the meeting point along the other.
     let (by_a, by_b): (Vector2<f64>, Vector2<f64>) = (along_b / sine, along_a / sine);
     by_a * by_a.transpose() * var_a + by_b * by_b.transpose() * var_b
-}
-
-fn middle(ring: &Ring) -> Point {
-    ring.bounds().map_or_else(Point::origin, |(low, high)| nalgebra::center(&low, &high))
 }
 
 #[cfg(test)]

@@ -7,11 +7,10 @@
 use super::accuracy::Judge;
 use super::map::{Contact, ContactKind, MappedObject, RoomMap};
 use super::shape::KNOWN;
-use super::survey::{Surface, Survey, Tie, worse};
+use super::survey::{Hung, Surface, Survey, Tie, worse};
 use super::wall::Sighting;
 use crate::geometry::{Piece, Point, Pose, Ring, perp};
 use nalgebra::Matrix2;
-use std::ops::Range;
 
 /// Contacts this near to a place tell how ragged its surface is, metres.
 const NEIGHBOURHOOD: f64 = 0.12;
@@ -38,15 +37,6 @@ fn tolerance(survey: &Survey, place: Point, tie: &Tie) -> f64 {
     (DEVIATIONS * survey.looseness(place, tie)).clamp(KNOWN, MOST_KNOWN)
 }
 
-/// What a ring hangs on.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Hung {
-    /// All of it on one place.
-    Once(Tie),
-    /// Each contact on those of these knots between which it was seen.
-    Along(Range<usize>),
-}
-
 /// One ring as it was fitted, what it hangs on, and where it is now.
 #[derive(Debug, Clone)]
 struct Charted {
@@ -69,22 +59,9 @@ impl Charted {
         Self { nominal, contacts: contacts.to_vec(), held, hung, shown }
     }
 
-    /// What a contact seen at `time_us` hangs on.
-    fn tie_at(&self, survey: &Survey, time_us: u64) -> Tie {
-        match &self.hung {
-            Hung::Once(tie) => *tie,
-            Hung::Along(knots) => survey.tie_within(time_us, knots),
-        }
-    }
-
-    /// What the place `nominal` hangs on: as the contact nearest to it.
+    /// What the place `nominal` hangs on.
     fn tie(&self, survey: &Survey, nominal: Point) -> Tie {
-        if let Hung::Once(tie) = self.hung {
-            return tie;
-        }
-        let off = |contact: &&Contact| (contact.point - nominal).norm_squared();
-        let nearest = self.contacts.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        self.tie_at(survey, nearest.map_or(0, Contact::time_us))
+        self.hung.beside(survey, &self.contacts, nominal)
     }
 
     /// Root mean square distance from the ring of the contacts near `nominal`, a place on its piece
@@ -105,7 +82,6 @@ impl Charted {
 #[derive(Debug, Clone)]
 pub struct Chart {
     rings: Vec<Charted>,
-    lap_knots: usize,
 }
 
 impl Chart {
@@ -116,7 +92,7 @@ impl Chart {
         let lap_knots = survey.knots();
         let outline = map.shape.as_ref().map(|shape| shape.outline.clone()).unwrap_or_default();
         let boundary = Charted::new(&outline, &map.contacts, Hung::Along(0..lap_knots));
-        let mut chart = Self { rings: vec![boundary], lap_knots };
+        let mut chart = Self { rings: vec![boundary] };
         for object in &map.objects {
             let begin = object.contacts.first().map_or(0, Contact::time_us);
             chart.add(object, Hung::Once(survey.tie(begin, lap_knots)));
@@ -273,7 +249,7 @@ impl Chart {
                 .contacts
                 .iter()
                 .map(|contact| {
-                    let tie = charted.tie_at(survey, contact.time_us());
+                    let tie = charted.hung.tie(survey, contact.time_us());
                     Contact {
                         point: contact.point + survey.displacement(contact.point, &tie),
                         from: contact.from + survey.displacement(contact.from, &tie),
@@ -294,12 +270,9 @@ impl Chart {
 
     /// Writes into `map`, which began at `start`, how well it is known.
     pub fn state_errors(&self, survey: &Survey, start: Point, map: &mut RoomMap) {
-        let middle = |ring: &Ring| ring.bounds().map(|(low, high)| nalgebra::center(&low, &high));
-        let of = |charted: &Charted| {
-            charted.tie(survey, middle(&charted.nominal).unwrap_or_else(Point::origin))
-        };
+        let of = |charted: &Charted| charted.tie(survey, charted.nominal.middle());
         let ties: Vec<Tie> = self.rings[1..].iter().map(of).collect();
-        let judge = Judge { survey, lap_knots: self.lap_knots, start, objects: &ties };
+        let judge = Judge { survey, lap: &self.rings[0].hung, start, objects: &ties };
         map.accuracy = judge.judge(map);
     }
 }

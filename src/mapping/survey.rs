@@ -20,6 +20,7 @@ mod sureness;
 mod tests;
 
 pub use balance::Step;
+pub use knots::Hung;
 pub use motion::{HEADING_WALK, STRIDE_SHARE};
 pub use sight::{Look, Surface};
 pub use sureness::worse;

@@ -1,5 +1,5 @@
 //! What the report says of the boundary: its size, what the lap was off, how well it is known, and what
-//! squaring and a tape made of it.
+//! squaring and a tape made of it. Shape and plan are not its business.
 
 use crate::export::{RunRecord, boundary, rounded};
 use crate::mapping::accuracy::Accuracy;

@@ -1,5 +1,5 @@
 //! A drawn ring without what noise put on it: steps in a straight wall, breaks in a round one, inner
-//! corners that were cut off.
+//! corners that were cut off. Knows nothing of the runs that the ring was drawn from.
 
 use super::assemble::Vertex;
 use super::corner::Judge;

@@ -1,9 +1,42 @@
-//! Places along the way of which the survey keeps the error, and what is mapped that hangs on them.
+//! Places along the way of which the survey keeps the error, and what is mapped that hangs on them. Knows
+//! nothing of what corrects them.
 
 use super::{FIRST_KNOT, Knot, Survey, Tie};
 use crate::geometry::{Point, Pose, Vector, angle, perp};
+use crate::mapping::map::Contact;
 use nalgebra::DVector;
 use std::ops::Range;
+
+/// What a mapped outline hangs on.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Hung {
+    /// All of it on one place.
+    Once(Tie),
+    /// Each contact on those of these knots between which it was seen.
+    Along(Range<usize>),
+}
+
+impl Hung {
+    /// What was seen at `time_us` (robot time) hangs on.
+    #[must_use]
+    pub fn tie(&self, survey: &Survey, time_us: u64) -> Tie {
+        match self {
+            Self::Once(tie) => *tie,
+            Self::Along(knots) => survey.tie_within(time_us, knots),
+        }
+    }
+
+    /// What `place` of the outline hangs on: as the nearest of its `contacts`.
+    #[must_use]
+    pub fn beside(&self, survey: &Survey, contacts: &[Contact], place: Point) -> Tie {
+        if let Self::Once(tie) = self {
+            return *tie;
+        }
+        let off = |contact: &&Contact| (contact.point - place).norm_squared();
+        let nearest = contacts.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.tie(survey, nearest.map_or(0, Contact::time_us))
+    }
+}
 
 impl Survey {
     /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
@@ -59,9 +92,9 @@ impl Survey {
         Tie { first: offset + first, second: offset + second, share }
     }
 
-    /// What was driven from knot `begun` to knot `back` is mapped now as it lay from where it began: its
-    /// knots are where that has them, and have the error of the beginning in common. What is known of
-    /// each beyond that stays known. The knots that what was mapped hangs on.
+    /// A round from knot `begun` to knot `back` has closed, and is mapped as seen from where it began. Its
+    /// knots are moved to where that map has them; what is left to correct of each is what is left of the
+    /// beginning, while their covariances stay. Returns the knots of the round.
     pub fn mapped_from(&mut self, begun: &Tie, back: &Tie) -> Range<usize> {
         let turn = self.mean[FIRST_KNOT + 3 * begun.first + 2];
         for index in begun.first + 1..=back.first {

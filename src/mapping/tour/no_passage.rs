@@ -4,11 +4,11 @@
 use super::rounds::{Round, here};
 use super::{Scene, Tour};
 use crate::geometry::Point;
-use crate::mapping::chart::Hung;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
 use crate::mapping::map::{Contact, MappedObject};
 use crate::mapping::shape::{KNOWN, things};
+use crate::mapping::survey::Hung;
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
 

@@ -6,7 +6,6 @@ use super::no_passage::Reversed;
 use super::{Doing, MOST_LEFT_OPEN, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
 use crate::mapping::adjust::Adjustment;
-use crate::mapping::chart::Hung;
 use crate::mapping::circuit::{Circuit, Leg};
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
@@ -16,7 +15,7 @@ use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::{lap_contacts, lap_things};
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, things};
-use crate::mapping::survey::{Surface, Survey, Tie};
+use crate::mapping::survey::{Hung, Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
 

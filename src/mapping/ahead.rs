@@ -66,13 +66,18 @@ const CHAIN: f64 = 0.29;
 /// Half way along a step round a corner the disc may get this much nearer to it than at its ends, metres:
 /// a chord of the circle about the corner keeps it in sight, a tangent of the same length would not.
 const DIP: f64 = 0.004;
+/// A contact so much farther off than its switch sees is still at hand, metres: contacts are not exact.
+const UNSURE: f64 = 0.02;
+/// What is no farther to the other hand of straight ahead is the wall too, radians: it may bend there.
+const OFF_AHEAD: f64 = 0.3;
 
 impl Rolling {
     /// The first direction, counted from the nearest contact away from the wall, in which a
     /// straight step of `step` metres, or less, keeps the disc clear of all `contacts`; where the wall
     /// is not known to have `ended`, it is taken to go on beyond the last of them as it ran there, but
-    /// not through what was `swept`. None when every direction is blocked. Without contacts: straight
-    /// ahead.
+    /// not through what was `swept`. The wall is what is on its hand of the way that the robot went, which
+    /// led `along`: in a pocket the other side may be nearer. None when every direction is blocked. Without
+    /// contacts: straight ahead.
     #[must_use]
     pub fn direction(
         &self,
@@ -81,9 +86,10 @@ impl Rolling {
         step: f64,
         ended: bool,
         swept: Option<&Sweep>,
+        along: f64,
     ) -> Option<Direction> {
         let points: Vec<Point> = contacts.iter().map(|seen| seen.at).collect();
-        let Some(chain) = self.chain(&points, pose.position) else {
+        let Some(chain) = self.chain(&points, pose.position, along) else {
             return Some(Direction { heading: pose.heading, step, frontier: None });
         };
         let mut frontier = Frontier::of(contacts, chain[chain.len() - 1], pose, self.side);
@@ -132,12 +138,22 @@ impl Rolling {
         })
     }
 
-    /// The contacts in rolling order from the one nearest to the robot on; none without contacts.
-    fn chain(&self, contacts: &[Point], center: Point) -> Option<Vec<Point>> {
-        let nearest = contacts
-            .iter()
-            .copied()
-            .min_by(|a, b| (a - center).norm().total_cmp(&(b - center).norm()))?;
+    /// The nearest contact at the hand of a robot at `center` that goes `along`, within reach of its
+    /// switches; the nearest of all where there is none.
+    fn at_hand(&self, contacts: &[Point], center: Point, along: f64) -> Option<Point> {
+        let beside = |p: &&Point| {
+            let off = *p - center;
+            let towards = self.side.sign() * angle::wrap(angle::of(off) - along);
+            off.norm() < self.radius + self.slack + UNSURE && towards > -OFF_AHEAD
+        };
+        let nearer = |a: &&Point, b: &&Point| (*a - center).norm().total_cmp(&(*b - center).norm());
+        let found = contacts.iter().filter(beside).min_by(nearer);
+        found.or_else(|| contacts.iter().min_by(nearer)).copied()
+    }
+
+    /// The contacts in rolling order from the one at hand on; none without contacts.
+    fn chain(&self, contacts: &[Point], center: Point, along: f64) -> Option<Vec<Point>> {
+        let nearest = self.at_hand(contacts, center, along)?;
         let toward = angle::of(nearest - center);
         let turned = |p: &Point| {
             angle::wrap_positive(self.side.sign() * (toward - angle::of(p - center)) + 0.02)
@@ -153,5 +169,30 @@ impl Rolling {
             }
         }
         Some(chain)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+
+    #[test]
+    fn out_of_a_pocket_the_wall_at_hand_leads_on_though_the_other_side_is_nearer() {
+        let rolling = Rolling { side: Side::Right, radius: 0.145, least: 0.112, slack: 0.012 };
+        // A pocket behind the robot, which stands in its mouth and looks out along +x. The wall on the left
+        // goes on, the one on the right ends here.
+        let row =
+            |from: f64, y: f64| (0..9).map(move |k| Point::new(from + 0.04 * f64::from(k), y));
+        let seen = |at: Point| Seen { at, towards: -Vector::new(at.x, at.y) };
+        let contacts: Vec<Seen> = row(-0.32, -0.165).chain(row(0.0, 0.11)).map(seen).collect();
+        let pose = Pose::new(0.0, 0.0, 0.0);
+        let way = |along: f64| {
+            let found = rolling.direction(&contacts, pose, 0.06, true, None, along);
+            found.expect("a way").heading
+        };
+        assert!((-1.3..0.3).contains(&way(0.0)), "round the end on the right: {}", way(0.0));
+        // Had it come out backwards, the wall on its right would be the other one.
+        assert!(way(angle::PI).abs() > 2.0, "in again: {}", way(angle::PI));
     }
 }

@@ -12,6 +12,7 @@
 
 mod escape;
 mod held;
+mod look;
 mod roles;
 
 use super::ahead::{Frontier, Rolling, Sweep};
@@ -143,8 +144,6 @@ const UNSEEN: f64 = 0.003;
 const SQUEEZED: f64 = 0.02;
 /// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
 const BESIDE: f64 = 0.02;
-/// What is seen beyond a tip lies this far past it at least, metres.
-const PAST_TIP: f64 = 0.02;
 /// A step along a wall of which little is known, metres, ...
 const SHORTEST_STRIDE: f64 = 0.09;
 /// ... and along one that goes on as it did.
@@ -217,7 +216,17 @@ impl Follower {
 
     /// The next motion; none when the robot is held on all sides.
     pub fn next(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
-        self.held.rests(rest.pose.position);
+        if let Some(before) = self.held.rests(rest, wall.log().len()) {
+            wall.doubt_before(before);
+        }
+        let ask = self.choose(wall, rest);
+        if let Some(ask) = &ask {
+            self.held.asks(ask);
+        }
+        ask
+    }
+
+    fn choose(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         if matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
             if let Some(ask) = self.leave(rest) {
                 return Some(ask);
@@ -302,40 +311,6 @@ impl Follower {
         self.turn(-1.2, guard, Doing::Clearing, "something ahead: turning until it is clear")
     }
 
-    fn look(&mut self) -> Ask {
-        let guard = Guard { rise: Roles::set(&[self.roles.ahead]), ..Guard::default() };
-        self.turn(0.96, guard, Doing::Looking, "looking where the wall goes on")
-    }
-
-    fn judge_look(&mut self, wall: &mut Wall, rest: &AtRest) {
-        self.swept = self.ahead.map(|(bearing, reach)| Sweep {
-            at: rest.pose.position,
-            from: self.looked_from + bearing,
-            by: angle::wrap(rest.pose.heading - self.looked_from),
-            reach,
-        });
-        let seen = wall.near().next_back();
-        // Of a wall that ends here the look may see the side it came along once more.
-        let tip = self.tip.take();
-        let behind = |(tip, onward): (Point, Vector)| {
-            seen.is_some_and(|seen| (seen.point - tip).dot(&onward) < PAST_TIP)
-        };
-        let found = matches!(rest.reason, DoneReason::Guard { .. });
-        if !found || tip.is_some_and(behind) {
-            self.ended = true;
-            self.stride = SHORTEST_STRIDE;
-            return;
-        }
-        self.ended = false;
-        let surprise = seen.zip(self.frontier).map(|(seen, frontier)| {
-            if frontier.certain { frontier.distance(seen.point) } else { 1.0 }
-        });
-        self.stride = match surprise {
-            Some(off) if off < 0.008 => (self.stride * 1.8).min(LONGEST_STRIDE),
-            _ => SHORTEST_STRIDE,
-        };
-    }
-
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         let mut step = if self.ended { ROUND_CORNER } else { self.stride };
         let contacts: Vec<Seen> = wall.near().map(Sighting::seen).collect();
@@ -344,11 +319,12 @@ impl Follower {
             range.map(Sighting::seen).collect()
         };
         let swept = self.swept.as_ref();
+        let along = if self.doing == Doing::Looking { self.looked_from } else { rest.pose.heading };
         // Where a touch was is a guess: it must not hold the robot on all sides.
         let roll = |step: f64, ended: bool| {
             self.rolling
-                .direction(&contacts, rest.pose, step, ended, swept)
-                .or_else(|| self.rolling.direction(&sure(), rest.pose, step, ended, swept))
+                .direction(&contacts, rest.pose, step, ended, swept, along)
+                .or_else(|| self.rolling.direction(&sure(), rest.pose, step, ended, swept, along))
         };
         let mut found = roll(step, self.ended)?;
         if !self.ended && found.frontier.is_some_and(|frontier| frontier.ended) {

@@ -124,6 +124,12 @@ impl Wall {
         self.near.iter().map(|&index| &self.log[index]).filter(|seen| seen.alive)
     }
 
+    /// What was seen before there were `count` sightings is not near any longer: the robot turned round and
+    /// round among it, so it is not where it is believed to be. It stays in the log.
+    pub fn doubt_before(&mut self, count: usize) {
+        self.near.retain(|&index| index >= count);
+    }
+
     /// Takes one edge, seen from `pose`; `turning` tells which motion was under way. Returns it as
     /// it was judged.
     pub fn observe(

@@ -22,12 +22,13 @@ impl Follower {
 
     /// Whether to go no deeper into a gap with both sides within the switches' reach. What leads out of
     /// it again on the other hand would find it too narrow, so it is never entered; but a robot that
-    /// stands between has to go on somewhere.
+    /// stands between has to go on somewhere, and where it came in it gets out.
     pub(super) fn refuses(&mut self, rest: &AtRest) -> bool {
         if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
             return false;
         }
-        self.held.refuses(rest.pose.position)
+        let ahead = rest.pose.position + rest.pose.direction() * BACK_OUT;
+        !self.held.came_by(ahead) && self.held.refuses(rest.pose.position)
     }
 
     /// Bumped again and again in one place, the robot is held between things, and every step it thinks

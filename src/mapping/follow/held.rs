@@ -1,7 +1,10 @@
-//! What holds a follower where it is: bumps in one place, a gap found too narrow, no way made. Counts, and
-//! remembers where the robot came from; what is done about it, the follower decides.
+//! What holds a follower where it is: bumps in one place, a gap found too narrow, no way made, round and
+//! round on the spot. Counts, and remembers where the robot came from; what is done about it, the follower
+//! decides.
 
-use crate::geometry::Point;
+use super::{Ask, AtRest};
+use crate::geometry::{Point, angle};
+use crate::robot::{DoneReason, Motion};
 use std::collections::VecDeque;
 
 /// A gap found too narrow nearer than this is the same, metres ...
@@ -13,8 +16,13 @@ const SAME_PLACE: f64 = 0.04;
 const MOST_BUMPS: u32 = 3;
 /// So many places that the robot came from are kept, and it leaves towards one no nearer than this,
 /// metres.
-const TRAIL: usize = 16;
+const TRAIL: usize = 60;
 const WAY_OUT: f64 = 0.06;
+/// Nearer than this to a place that it came from it has been there, metres.
+const SAME_WAY: f64 = 0.08;
+/// So far it must get, metres, before it has turned so many times round: more it needs in no dead end.
+const SPOT: f64 = 0.15;
+const MOST_TURNS: f64 = 1.5;
 /// Less than this is no way, metres; so many times without any, and it is stuck.
 const PROGRESS: f64 = 0.02;
 const STUCK: u32 = 40;
@@ -31,6 +39,19 @@ pub(super) struct Held {
     bumped: Option<(Point, u32)>,
     /// Where a gap was last found too narrow, and how often thereabouts.
     refused: Option<(Point, u32)>,
+    whirl: Option<Whirl>,
+    /// The turn that is under way, radians, and the heading when it began.
+    turning: (Option<f64>, f64),
+}
+
+/// A robot that has not got far for a while.
+#[derive(Debug, Clone, Copy)]
+struct Whirl {
+    at: Point,
+    /// How much of the wall had been seen when it came there.
+    seen: usize,
+    /// How far it has turned there, radians.
+    turned: f64,
 }
 
 /// One more of what happened at `before` if that is within `reach` of `here`, else the first of another.
@@ -40,8 +61,33 @@ fn again(before: Option<(Point, u32)>, here: Point, reach: f64) -> (Point, u32) 
 }
 
 impl Held {
-    /// It has come to rest at `here`.
-    pub(super) fn rests(&mut self, here: Point) {
+    /// It has come to rest, and so many contacts have been `seen`. Once it has turned round and round
+    /// on the spot: how many it had seen when it came there.
+    pub(super) fn rests(&mut self, rest: &AtRest, seen: usize) -> Option<usize> {
+        self.moves_on(rest.pose.position);
+        let (asked, from) = std::mem::replace(&mut self.turning, (None, rest.pose.heading));
+        let turned = match asked {
+            // More than half a turn is not told by the headings.
+            Some(whole) if rest.reason == DoneReason::Complete => whole,
+            _ => angle::wrap(rest.pose.heading - from),
+        };
+        let here = rest.pose.position;
+        let there = self.whirl.filter(|whirl| (whirl.at - here).norm() < SPOT);
+        let whirl = there.unwrap_or(Whirl { at: here, seen, turned: 0.0 });
+        let turned = whirl.turned + turned;
+        let round = turned.abs() > MOST_TURNS * angle::TAU;
+        self.whirl = (!round).then_some(Whirl { turned, ..whirl });
+        round.then_some(whirl.seen)
+    }
+
+    /// It is asked for a motion.
+    pub(super) fn asks(&mut self, ask: &Ask) {
+        if let Motion::Turn { angle, .. } = ask.motion {
+            self.turning.0 = Some(angle);
+        }
+    }
+
+    fn moves_on(&mut self, here: Point) {
         if self.last.is_some_and(|last| (last - here).norm() <= PROGRESS) {
             self.still += 1;
             return;
@@ -71,6 +117,11 @@ impl Held {
         Some(*from)
     }
 
+    /// Whether it came by `place` not long ago.
+    pub(super) fn came_by(&self, place: Point) -> bool {
+        self.trail.iter().any(|p| (p - place).norm() < SAME_WAY)
+    }
+
     /// It found a gap too narrow at `here`; whether to go by that. A robot that stands between has to
     /// go on somewhere.
     pub(super) fn refuses(&mut self, here: Point) -> bool {
@@ -84,12 +135,14 @@ impl Held {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Pose;
+    use crate::robot::{Guard, SwitchSet};
 
     #[test]
     fn bumped_three_times_in_one_place_it_leaves_the_way_it_came() {
         let mut held = Held::default();
         for x in [0.0, 0.05, 0.1, 0.15] {
-            held.rests(Point::new(x, 0.0));
+            held.moves_on(Point::new(x, 0.0));
         }
         let here = Point::new(0.15, 0.01);
         assert_eq!(held.bump(here), None);
@@ -105,7 +158,7 @@ mod tests {
     #[test]
     fn a_bump_elsewhere_is_another() {
         let mut held = Held::default();
-        held.rests(Point::new(1.0, 0.0));
+        held.moves_on(Point::new(1.0, 0.0));
         for x in [0.0, 0.1, 0.2, 0.3] {
             assert_eq!(held.bump(Point::new(x, 0.0)), None);
         }
@@ -124,12 +177,50 @@ mod tests {
     fn on_one_spot_for_long_it_is_stuck() {
         let mut held = Held::default();
         for _ in 0..=STUCK {
-            held.rests(Point::new(0.0, 0.0));
+            held.moves_on(Point::new(0.0, 0.0));
         }
         assert!(!held.is_stuck());
-        held.rests(Point::new(0.01, 0.0));
+        held.moves_on(Point::new(0.01, 0.0));
         assert!(held.is_stuck());
-        held.rests(Point::new(0.1, 0.0));
+        held.moves_on(Point::new(0.1, 0.0));
         assert!(!held.is_stuck());
+    }
+
+    #[test]
+    fn round_and_round_on_the_spot_is_noticed_and_round_a_post_is_not() {
+        // A step of `way` metres and then two turns of `by` radians, again and again.
+        let seen_at = |way: f64, by: f64| {
+            let (mut held, mut pose) = (Held::default(), Pose::new(0.0, 0.0, 0.0));
+            let reason = DoneReason::Complete;
+            for k in 0..60 {
+                if k % 3 == 0 {
+                    pose.position += pose.direction() * way;
+                } else {
+                    let motion = Motion::Turn { angle: by, rate: f64::INFINITY };
+                    held.asks(&Ask { motion, guard: Guard::default(), why: "" });
+                    pose.heading = angle::wrap(pose.heading + by);
+                }
+                let rest = AtRest { pose, closed: SwitchSet::EMPTY, reason };
+                if let Some(seen) = held.rests(&rest, 100 + k) {
+                    return Some(seen);
+                }
+            }
+            None
+        };
+        // Into a pocket and out again, each time by a whole turn and not by half a one and back.
+        assert_eq!(seen_at(0.06, 0.5 * (angle::PI + 0.1)), Some(100));
+        // Round a post of 20 mm, its middle 0.165 m from the robot's: a turn of 0.35 for 0.06 m.
+        assert_eq!(seen_at(0.06, 0.175), None);
+    }
+
+    #[test]
+    fn the_way_it_came_is_remembered_for_a_while() {
+        let mut held = Held::default();
+        for k in 0..100 {
+            held.moves_on(Point::new(0.05 * f64::from(k), 0.0));
+        }
+        assert!(held.came_by(Point::new(4.0, 0.05)));
+        assert!(!held.came_by(Point::new(4.0, 0.2)));
+        assert!(!held.came_by(Point::new(1.0, 0.0)), "too long ago");
     }
 }

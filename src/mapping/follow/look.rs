@@ -1,0 +1,46 @@
+//! The follower's look: a swing towards the wall until the switch that looks ahead closes, and what it
+//! tells of where the wall goes on. Where to go then, the follower decides.
+
+use super::roles::Roles;
+use super::{Ask, AtRest, Doing, Follower, LONGEST_STRIDE, SHORTEST_STRIDE, Sweep, Wall};
+use crate::geometry::{Point, Vector, angle};
+use crate::robot::{DoneReason, Guard};
+
+/// What is seen beyond a tip lies this far past it at least, metres.
+const PAST_TIP: f64 = 0.02;
+
+impl Follower {
+    pub(super) fn look(&mut self) -> Ask {
+        let guard = Guard { rise: Roles::set(&[self.roles.ahead]), ..Guard::default() };
+        self.turn(0.96, guard, Doing::Looking, "looking where the wall goes on")
+    }
+
+    pub(super) fn judge_look(&mut self, wall: &mut Wall, rest: &AtRest) {
+        self.swept = self.ahead.map(|(bearing, reach)| Sweep {
+            at: rest.pose.position,
+            from: self.looked_from + bearing,
+            by: angle::wrap(rest.pose.heading - self.looked_from),
+            reach,
+        });
+        let seen = wall.near().next_back();
+        // Of a wall that ends here the look may see the side it came along once more.
+        let tip = self.tip.take();
+        let behind = |(tip, onward): (Point, Vector)| {
+            seen.is_some_and(|seen| (seen.point - tip).dot(&onward) < PAST_TIP)
+        };
+        let found = matches!(rest.reason, DoneReason::Guard { .. });
+        if !found || tip.is_some_and(behind) {
+            self.ended = true;
+            self.stride = SHORTEST_STRIDE;
+            return;
+        }
+        self.ended = false;
+        let surprise = seen.zip(self.frontier).map(|(seen, frontier)| {
+            if frontier.certain { frontier.distance(seen.point) } else { 1.0 }
+        });
+        self.stride = match surprise {
+            Some(off) if off < 0.008 => (self.stride * 1.8).min(LONGEST_STRIDE),
+            _ => SHORTEST_STRIDE,
+        };
+    }
+}

@@ -19,6 +19,7 @@ pub mod truth;
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::map::{ContactKind, Phase, RoomMap};
 use crate::mapping::settings::Settings;
+use crate::mapping::shape;
 use crate::session::snapshot::PhaseProgress;
 use serde::Serialize;
 
@@ -105,18 +106,18 @@ fn closed_positions(ring: &Ring) -> Option<Vec<[f64; 2]>> {
     })
 }
 
-/// The boundary as it is known: the fitted outline, or before it is fitted the closed lap's
-/// contacts joined by straight pieces; none while the lap is open.
+/// The boundary as it is known: the fitted outline, or before it is fitted the closed lap's contacts,
+/// put in order along the wall and joined by straight pieces; none while the lap is open.
 #[must_use]
-pub fn boundary(map: &RoomMap) -> Option<Ring> {
+pub fn boundary(record: &RunRecord<'_>) -> Option<Ring> {
+    let map = record.map;
     if !map.closed {
         return None;
     }
-    if let Some(shape) = &map.shape {
-        return Some(shape.outline.clone());
+    match &map.shape {
+        Some(shape) => Some(shape.outline.clone()),
+        None => shape::joined(&map.contacts, record.settings.chassis.reach()).ok(),
     }
-    let points = surface_points(map);
-    (points.len() >= 3).then(|| Ring::polygon(&points).counter_clockwise())
 }
 
 /// The boundary's contacts that lie on a surface, in order along the lap.

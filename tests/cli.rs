@@ -161,6 +161,27 @@ fn export_hands_over_what_a_run_left() {
 }
 
 #[test]
+fn a_boundary_without_a_shape_is_as_long_as_its_wall() {
+    let out = place("boundary_only").join("run");
+    let output = periplus(&[
+        "run",
+        "--world",
+        concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml"),
+        "--until",
+        "boundary",
+        "--out",
+        out.to_str().expect("a path"),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report = fs::read_to_string(out.join("report.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert!(report["shape"].is_null(), "{}", report["shape"]);
+    // 5 m by 4 m; its corners are joined from contact to contact.
+    let perimeter = report["boundary"]["perimeter_m"].as_f64().expect("a length");
+    assert!((17.0..18.1).contains(&perimeter), "{perimeter}");
+}
+
+#[test]
 fn a_reader_that_goes_away_is_no_panic() {
     let files: Vec<String> = (0..3000).map(|k| format!("/nowhere/{k}.toml")).collect();
     let mut child = Command::new(env!("CARGO_BIN_EXE_periplus"))

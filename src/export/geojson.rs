@@ -65,7 +65,7 @@ fn start(pose: Pose) -> Value {
 }
 
 fn outline(record: &RunRecord<'_>) -> Option<Value> {
-    let known = boundary(record.map).and_then(|ring| closed_positions(&ring));
+    let known = boundary(record).and_then(|ring| closed_positions(&ring));
     if let Some(ring) = known {
         let more = json!({ "fitted": record.map.shape.is_some() });
         return Some(feature("boundary", "Polygon", json!([ring]), more));

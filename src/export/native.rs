@@ -155,7 +155,7 @@ impl MapFile {
                 rounded(start.heading.to_degrees(), 4),
             ],
             class: shape.map(|shape| shape.class),
-            boundary: boundary(map).map(|ring| Outline::of(&ring)),
+            boundary: boundary(record).map(|ring| Outline::of(&ring)),
             parts: if parts.len() > 1 { parts.iter().map(PartFile::of).collect() } else { vec![] },
             objects: map
                 .objects

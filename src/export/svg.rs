@@ -95,7 +95,7 @@ fn extent(record: &RunRecord<'_>) -> (Point, Point) {
     let mut points: Vec<Point> = vec![record.settings.start.position];
     points.extend(record.map.path.iter().map(|point| point.pose.position));
     points.extend(record.map.contacts.iter().map(|contact| contact.point));
-    for ring in boundary(record.map).iter().chain(record.map.objects.iter().map(|o| &o.outline)) {
+    for ring in boundary(record).iter().chain(record.map.objects.iter().map(|o| &o.outline)) {
         points.extend(ring.bounds().map_or(vec![], |(low, high)| vec![low, high]));
     }
     points.retain(|point| point.iter().all(|value| value.is_finite()));

@@ -65,7 +65,7 @@ struct MisclosureFigures {
 
 impl Boundary {
     pub(super) fn of(record: &RunRecord<'_>) -> Option<Self> {
-        let ring = boundary(record.map)?;
+        let ring = boundary(record)?;
         Some(Self {
             perimeter_m: rounded(ring.perimeter(), 4),
             area_m2: rounded(ring.area().abs(), 4),

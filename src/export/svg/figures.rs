@@ -9,7 +9,7 @@ pub(super) fn lines(record: &RunRecord<'_>) -> Vec<String> {
 }
 
 fn place(record: &RunRecord<'_>) -> Option<String> {
-    let ring = boundary(record.map)?;
+    let ring = boundary(record)?;
     let mut words = vec![format!(
         "boundary {:.2} m, {:.2} m² reachable within",
         ring.perimeter(),

@@ -68,7 +68,7 @@ pub(super) fn draw(
 }
 
 fn walls(record: &RunRecord<'_>, frame: &Frame) -> String {
-    let Some(ring) = boundary(record.map) else {
+    let Some(ring) = boundary(record) else {
         let known = frame.line(surface_points(record.map));
         return stroke("boundary", &known, color::WALL, 2.2, "1 4");
     };

@@ -11,7 +11,7 @@ use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
-use crate::mapping::survey::{Survey, worse};
+use crate::mapping::survey::worse;
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 use nalgebra::Matrix2;
 use std::collections::VecDeque;
@@ -201,9 +201,12 @@ impl Tour {
         Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, spot.at, spot.at) })
     }
 
-    /// There: feels for the walls first.
-    pub(super) fn begin_to_feel(&mut self, survey: &Survey, at: Point) {
-        let most = DEVIATIONS * self.chart.looseness(survey, at) + FARTHER;
+    /// There: feels for the walls first. The way there, however long, leaves no less of the next lines to be
+    /// driven before bearings are taken again.
+    pub(super) fn begin_to_feel(&mut self, scene: &Scene<'_>) {
+        let at = scene.rest.pose.position;
+        self.bearings_at = scene.tracker.travelled();
+        let most = DEVIATIONS * self.chart.looseness(scene.survey, at) + FARTHER;
         let walls = std::mem::take(&mut self.feel_for);
         self.doing = Doing::Feeling(Feeling::new(walls, most));
     }

@@ -66,7 +66,7 @@ impl Tour {
                 Purpose::Bearings => {
                     self.doing = Doing::Choosing;
                     if !drive.skipped {
-                        self.begin_to_feel(scene.survey, scene.rest.pose.position);
+                        self.begin_to_feel(scene);
                     }
                     return None;
                 }

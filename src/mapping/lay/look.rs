@@ -9,7 +9,7 @@ use crate::mapping::wall::Stretch;
 /// Believed spread of a contact about its wall, metres. Neighbours err together: more than jitter.
 pub(super) const CONTACT_SD: f64 = 0.005;
 /// Contacts that lie this close about a line or circle are one wall, metres; more when they scatter.
-const STRAIGHT: f64 = 0.003;
+const STRAIGHT: f64 = 0.0015;
 /// A contact this near to another is of the same place, metres; more when they scatter.
 const BESIDE: f64 = 0.012;
 /// Contacts of one wall scatter no more than this about it, metres: what does is ragged.

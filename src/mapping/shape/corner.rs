@@ -4,6 +4,7 @@
 
 use super::Sample;
 use super::segment::{Model, Run};
+use crate::geometry::segment::Segment;
 use crate::geometry::simple::segments_meet;
 use crate::geometry::{Point, Vector, angle, cross};
 
@@ -20,12 +21,17 @@ const UNCERTAIN: f64 = 0.008;
 /// How far a straight run may be drawn out to a corner, as a share of its length: what is less than
 /// this of wall says little of the rest.
 const OF_LENGTH: f64 = 0.8;
+/// The same to an inner corner that its neighbour ends no farther from than this, metres.
+const TO_A_WALL: f64 = 1.3;
+const TO_THE_END: f64 = 0.1;
 
 /// A piece longer than this cuts off no corner, metres.
 const MOST_CUT: f64 = 0.2;
 /// Walls at a corner that was cut off are at least this long, metres, ...
 const LEAST_WALL: f64 = 0.3;
-/// ... and meet at no flatter angle than this (sine).
+/// ... and meet at no flatter angle than this (sine). ...
+const FLATTEST: f64 = 0.15;
+/// ... Where it is flatter than this (sine), a contact on the piece may be of either wall.
 const SQUARE_ENOUGH: f64 = 0.5;
 /// A contact nearer than this to an end of a piece is of the wall there, metres.
 const ENDS: f64 = 0.02;
@@ -81,7 +87,7 @@ impl Judge<'_> {
 
     fn corner(&self, a: &Run, b: &Run, end: Point, start: Point) -> Option<Point> {
         let middle = nalgebra::center(&end, &start);
-        let candidates = intersections(&a.model, &b.model, 3.0 * self.sigma + 0.002);
+        let candidates = intersections(&a.model, &b.model, self.noise());
         let corner = candidates
             .into_iter()
             .flatten()
@@ -91,7 +97,7 @@ impl Judge<'_> {
         let beyond_a = (corner - end).dot(&u);
         let beyond_b = (start - corner).dot(&v);
         // Contacts behind a corner are cut off by it: only as far as noise explains.
-        let back = (3.0 * self.sigma + 0.002) / angle::sin(turn.abs().min(1.57)).max(0.01);
+        let back = self.noise() / angle::sin(turn.abs().min(1.57)).max(0.01);
         let smooth = turn.abs() < 0.1;
         let behind = if smooth { 0.35 } else { back.min(0.06) };
         if beyond_a < -behind || beyond_b < -behind {
@@ -106,15 +112,24 @@ impl Judge<'_> {
         } else {
             OUTER_REACH
         };
-        let fits = |run: &Run, beyond: f64| beyond < limit.min(self.trusted(run));
-        if !fits(a, beyond_a) || !fits(b, beyond_b) {
+        // A wall that leads to where its neighbour ends is believed to go that far.
+        let fits = |run: &Run, beyond: f64, other: f64| {
+            let share = if turn > 0.0 && other < TO_THE_END { TO_A_WALL } else { OF_LENGTH };
+            beyond < limit.min(self.trusted(run, share))
+        };
+        if !fits(a, beyond_a, beyond_b) || !fits(b, beyond_b, beyond_a) {
             return None;
         }
         (smooth || !self.seen_through(a, b, end, corner, start)).then_some(corner)
     }
 
+    /// Farther than this off its wall a contact is not by noise alone, metres.
+    fn noise(&self) -> f64 {
+        3.0 * self.sigma + 0.002
+    }
+
     /// How far the direction of a run can be trusted beyond its contacts, metres.
-    fn trusted(&self, run: &Run) -> f64 {
+    fn trusted(&self, run: &Run, share: f64) -> f64 {
         let count = (run.last - run.first + 1) as f64;
         let length = (self.samples[run.last].point - self.samples[run.first].point).norm();
         match run.model {
@@ -124,7 +139,7 @@ impl Judge<'_> {
                 (length + 0.01).min(UNCERTAIN * length / (1.5 * self.sigma))
             }
             Model::Line { .. } => (UNCERTAIN * length / (3.5 * self.sigma / count.sqrt()))
-                .min(self.reach.max(OF_LENGTH * length)),
+                .min(self.reach.max(share * length)),
         }
     }
 
@@ -155,7 +170,7 @@ impl Judge<'_> {
             return None;
         }
         let sine = cross(wall, other) / (length * other.norm());
-        if sine < SQUARE_ENOUGH {
+        if sine < FLATTEST {
             return None;
         }
         let corner = a + wall * (cross(c - a, other) / cross(wall, other));
@@ -167,8 +182,14 @@ impl Judge<'_> {
         let near = |s: &&Sample| (s.point - corner).norm() < 2.0 * self.reach;
         let spoken_for = self.samples.iter().filter(near).any(|s| {
             let along = (s.point - b).dot(&cut) / across;
-            let touched = (ENDS..across - ENDS).contains(&along)
-                && cross(cut, s.point - b).abs() / across < ENDS / 2.0;
+            let walls = [Segment::new(b, corner), Segment::new(corner, c)];
+            let off = |wall: &Segment| wall.distance_squared(s.point).sqrt();
+            let of_the_cut = if sine < SQUARE_ENOUGH {
+                walls.iter().all(|wall| off(wall) > self.noise())
+            } else {
+                cross(cut, s.point - b).abs() / across < ENDS / 2.0
+            };
+            let touched = (ENDS..across - ENDS).contains(&along) && of_the_cut;
             let beam = s.point - s.from;
             let stop = s.from + beam * (1.0 - (0.012 + 3.0 * self.sigma) / beam.norm()).max(0.0);
             touched
@@ -306,11 +327,56 @@ mod tests {
         assert_eq!(cut(&[seen(-0.1, 0.02, Point::new(0.15, 0.04))]), None);
     }
 
+    /// What cuts off the corner of two walls that meet at 30 degrees, floor above them, with a contact so
+    /// far below the cut.
+    fn cut_flat(below: f64) -> Option<Point> {
+        let (u, v) = (Vector::x(), angle::unit(0.52));
+        let corner = Point::origin();
+        let (b, c) = (corner - u * 0.04, corner + v * 0.04);
+        let outward = -crate::geometry::perp((c - b).normalize());
+        let touch = nalgebra::center(&b, &c) + outward * below;
+        let samples = [seen(touch.x, touch.y, Point::new(-0.05, 0.16))];
+        let judge = Judge { samples: &samples, sigma: 0.0008, reach: 0.16 };
+        judge.cut_off([corner - u, b, c, corner + v])
+    }
+
+    #[test]
+    fn where_walls_meet_at_a_flat_angle_a_contact_on_the_cut_may_be_of_either() {
+        // The corner lies 10 mm off the cut. What is within noise of the walls says nothing.
+        let corner = cut_flat(0.008).expect("a corner");
+        assert!(corner.coords.norm() < 1e-9);
+        assert_eq!(cut_flat(0.0), None, "touched on the cut");
+    }
+
+    #[test]
+    fn a_wall_is_drawn_out_farther_to_where_its_neighbour_ends() {
+        // Two walls of a room that meet at the origin: the first seen to 40 mm of it or 150, the second,
+        // 0.32 m of it, from 0.28 m on.
+        let corner = |first: f64| {
+            let v = angle::unit(0.65);
+            let from = Point::new(0.0, 0.4);
+            let on = |p: Point| seen(p.x, p.y, from);
+            let one = (0..9).map(|k| on(Point::new(-first - 0.07 * f64::from(8 - k), 0.0)));
+            let other = (0..7).map(|k| on(Point::origin() + v * (0.28 + 0.0533 * f64::from(k))));
+            let samples: Vec<Sample> = one.chain(other).collect();
+            let line = |first: usize, last: usize, direction: Vector| {
+                let model = Model::Line { center: samples[first].point, direction };
+                Run { first, last, model }
+            };
+            let judge = Judge { samples: &samples, sigma: 0.0005, reach: 0.16 };
+            judge.joint(&line(0, 8, Vector::x()), &line(9, 15, v))
+        };
+        let joint = corner(0.04);
+        assert!(joint.end == joint.start && joint.end.coords.norm() < 1e-6, "{joint:?}");
+        let joint = corner(0.15);
+        assert!(joint.end != joint.start, "from contact to contact: {joint:?}");
+    }
+
     #[test]
     fn walls_that_are_short_or_meet_at_a_flat_angle_do_not_tell() {
         let judge = Judge { samples: &[], sigma: 0.0015, reach: 0.16 };
         let at = Point::new;
         assert_eq!(judge.cut_off([at(0.0, 0.3), at(0.0, 0.07), at(0.07, 0.0), at(2.0, 0.0)]), None);
-        assert_eq!(judge.cut_off([at(-2.0, 0.4), at(0.0, 0.0), at(0.1, 0.0), at(2.0, 0.4)]), None);
+        assert_eq!(judge.cut_off([at(-2.0, 0.1), at(0.0, 0.0), at(0.1, 0.0), at(2.0, 0.1)]), None);
     }
 }

@@ -28,6 +28,8 @@ const LEAST_WALL: f64 = 0.3;
 /// How far the way to a corner may be, metres, and how much is driven at least between two stops.
 const FARTHEST: f64 = 8.0;
 const BETWEEN: f64 = 6.0;
+/// So much of that is driven after a stop at least, metres.
+const AFTERWARDS: f64 = 2.0;
 /// A pose that is less sure is worth a longer way, and so is a place that makes it surer: metres for a
 /// metre of standard deviation.
 const WORTH: f64 = 120.0;
@@ -201,11 +203,12 @@ impl Tour {
         Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, spot.at, spot.at) })
     }
 
-    /// There: feels for the walls first. The way there, however long, leaves no less of the next lines to be
-    /// driven before bearings are taken again.
+    /// There: feels for the walls first. However long the way there was, some of the next lines are driven
+    /// before bearings are taken again, or it would do nothing else.
     pub(super) fn begin_to_feel(&mut self, scene: &Scene<'_>) {
         let at = scene.rest.pose.position;
-        self.bearings_at = scene.tracker.travelled();
+        let again = scene.tracker.travelled() + AFTERWARDS - BETWEEN;
+        self.bearings_at = self.bearings_at.max(again);
         let most = DEVIATIONS * self.chart.looseness(scene.survey, at) + FARTHER;
         let walls = std::mem::take(&mut self.feel_for);
         self.doing = Doing::Feeling(Feeling::new(walls, most));

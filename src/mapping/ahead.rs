@@ -72,12 +72,12 @@ const UNSURE: f64 = 0.02;
 const OFF_AHEAD: f64 = 0.3;
 
 impl Rolling {
-    /// The first direction, counted from the nearest contact away from the wall, in which a
+    /// The first direction, counted from the nearest contact of the wall away from it, in which a
     /// straight step of `step` metres, or less, keeps the disc clear of all `contacts`; where the wall
     /// is not known to have `ended`, it is taken to go on beyond the last of them as it ran there, but
-    /// not through what was `swept`. The wall is what is on its hand of the way that the robot went, which
-    /// led `along`: in a pocket the other side may be nearer. None when every direction is blocked. Without
-    /// contacts: straight ahead.
+    /// not through what was `swept`. Of the wall is what lies to its hand of the heading `along` (radians)
+    /// in which the robot came: in a pocket the other side may be nearer. None when every direction is
+    /// blocked. Without contacts: straight ahead.
     #[must_use]
     pub fn direction(
         &self,

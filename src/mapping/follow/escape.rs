@@ -27,6 +27,7 @@ impl Follower {
         if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
             return false;
         }
+        // As far ahead as it would back out.
         let ahead = rest.pose.position + rest.pose.direction() * BACK_OUT;
         !self.held.came_by(ahead) && self.held.refuses(rest.pose.position)
     }

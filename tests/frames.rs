@@ -105,4 +105,12 @@ fn a_robot_that_was_never_heard_of_and_a_terminal_too_small() {
     let model = Model::new(60, 20, Keymap::default());
     let (symbols, styles) = frame::planes(&model, &snapshot);
     insta::assert_snapshot!("too_small_60x20", format!("{symbols}\n{styles}"));
+    // What a phase took gives way to its name.
+    let mut done = snapshot;
+    for phase in &mut done.progress {
+        (phase.done, phase.seconds) = (true, 638.0);
+    }
+    let (symbols, _) = frame::planes(&model, &done);
+    let strip = symbols.lines().nth(1).expect("the strip of the phases");
+    assert!(strip.contains("✓ boundary ") && !strip.contains(':'), "{strip}");
 }

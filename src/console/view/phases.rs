@@ -41,7 +41,11 @@ fn draw_phase(pen: &mut Pen<'_>, snapshot: &Snapshot, phase: Phase, cell: Rect) 
         let room = cell.right().saturating_sub(x + 2);
         draw_bar(pen, x + 1, cell.y, room, progress, current);
     } else if progress.done {
-        pen.text_right(cell.right() - 1, cell.y, &words::clock(progress.seconds), Role::Muted);
+        // Where there is no room for both, the name is what tells them apart.
+        let time = words::clock(progress.seconds);
+        if time.len() <= usize::from(cell.right().saturating_sub(x + 2)) {
+            pen.text_right(cell.right() - 1, cell.y, &time, Role::Muted);
+        }
     }
 }
 

@@ -1,10 +1,13 @@
 //! One length measured by tape. Closing a lap says nothing of a scale that both wheels share: the
 //! whole map may be a per cent too large and still close. One taped length tells.
 //!
+//! It tells as much as its ends are known: a corner between two long walls is where they meet, one of a
+//! ragged wall may be any of those about. So it is weighed against what wheels are off by at all.
+//!
 //! What it stretches is the way the robot went. What the switches saw lies off that way by their
 //! range, which no wheel has measured, so the outline is fitted anew after each correction.
 
-use crate::geometry::{Piece, Point, Ring};
+use crate::geometry::{Point, Ring, angle};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use thiserror::Error;
@@ -15,8 +18,13 @@ const CORNER: f64 = 0.35;
 const OFF: f64 = 1.0;
 /// How well a person says where a tape was held, metres.
 const PLACE_SD: f64 = 0.15;
-/// What the common scale of both wheels is out of the box, as a share of one.
-const SCALE_SD: f64 = 0.01;
+/// What the common scale of both wheels is off by out of the box, as a share: within one per cent.
+const SCALE_SD: f64 = 0.006;
+/// How well an end is known on the map, metres: on a wall or between two that are no shorter than so many
+/// metres, and else.
+const SURE_END: f64 = 0.006;
+const LONG_WALL: f64 = 0.3;
+const RAGGED_END: f64 = 0.03;
 /// A tape across a wall makes an angle with it whose cosine is below this.
 const ACROSS: f64 = 0.5;
 /// A tape that disagrees with the map by more than this share was held elsewhere.
@@ -83,40 +91,79 @@ impl Tape {
     /// nearest places of the walls; none when an end is near to neither. Of several such pairs that
     /// one which is likeliest: near to where the ends were said to be, and about as long as the tape.
     #[must_use]
-    pub fn on(&self, outline: &Ring) -> Option<f64> {
+    pub fn on(&self, outline: &Ring) -> Option<Length> {
         let (from, to) = (places(outline, self.from, self.to), places(outline, self.to, self.from));
-        let unlikely = |from: Point, to: Point, length: f64| {
-            let off = (from - self.from).norm_squared() + (to - self.to).norm_squared();
-            let scale = (self.length / length - 1.0) / SCALE_SD;
-            off / PLACE_SD.powi(2) + scale * scale
-        };
-        from.iter()
-            .flat_map(|&from| to.iter().map(move |&to| (from, to, (to - from).norm())))
-            .filter(|&(.., length)| length > 0.1)
-            .map(|(from, to, length)| (unlikely(from, to, length), length))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, length)| length)
+        let pairs: Vec<(f64, Length)> = from
+            .iter()
+            .flat_map(|from| to.iter().map(move |to| (from, to)))
+            .map(|(from, to)| {
+                let mapped = (to.at - from.at).norm();
+                let off = (from.at - self.from).norm_squared() + (to.at - self.to).norm_squared();
+                let scale = (self.length / mapped - 1.0) / SCALE_SD;
+                let unlikely = off / PLACE_SD.powi(2) + scale * scale;
+                (unlikely, Length { mapped, sd: angle::hypot(from.sd, to.sd) })
+            })
+            .filter(|(_, length)| length.mapped > 0.1)
+            .collect();
+        let (least, best) = *pairs.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        // The others it may have been held to, as likely as they are.
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (unlikely, other) in &pairs {
+            let weight = libm::exp((least - unlikely) / 2.0);
+            sum += weight * (other.mapped - best.mapped).powi(2);
+            weights += weight;
+        }
+        Some(Length { sd: (best.sd.powi(2) + sum / weights).sqrt(), ..best })
     }
 
-    /// By how much to stretch a map on which the length is `mapped`; none when the two are so far
-    /// apart that the tape was held elsewhere.
+    /// By how much to stretch a map that is `stretched` already and on which the length is `mapped` now;
+    /// none when the two are so far apart that the tape was held elsewhere. The whole stretch is what the
+    /// tape says, drawn towards none the more, the worse its ends are known.
     #[must_use]
-    pub fn stretch(&self, mapped: f64) -> Option<f64> {
-        let stretch = self.length / mapped;
-        ((stretch - 1.0).abs() < MOST).then_some(stretch)
+    pub fn stretch(&self, mapped: Length, stretched: f64) -> Option<f64> {
+        let ratio = self.length / mapped.mapped;
+        if (ratio - 1.0).abs() >= MOST {
+            return None;
+        }
+        let share = mapped.sd / mapped.mapped;
+        let trust = SCALE_SD.powi(2) / (SCALE_SD.powi(2) + share * share);
+        Some((1.0 + trust * (ratio * stretched - 1.0)) / stretched)
     }
+}
+
+/// A length on the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Length {
+    /// Metres.
+    pub mapped: f64,
+    /// One standard deviation, metres: of where its ends are.
+    pub sd: f64,
+}
+
+/// What one end of a tape may have been held to.
+struct Place {
+    at: Point,
+    /// One standard deviation, metres.
+    sd: f64,
 }
 
 /// What of `outline` a tape that goes to `other` may have been held to when its end was said to be
 /// at `end`: the corners near by, and the wall. A tape that runs along the wall ends at a corner.
-fn places(outline: &Ring, end: Point, other: Point) -> Vec<Point> {
-    let corners = outline.pieces.iter().map(Piece::from);
-    let mut places: Vec<Point> = corners.filter(|corner| (corner - end).norm() < CORNER).collect();
+fn places(outline: &Ring, end: Point, other: Point) -> Vec<Place> {
+    let count = outline.pieces.len();
+    let corner = |k: usize| {
+        let (before, after) = (&outline.pieces[(k + count - 1) % count], &outline.pieces[k]);
+        let long = before.length().min(after.length()) > LONG_WALL;
+        Place { at: after.from(), sd: if long { SURE_END } else { RAGGED_END } }
+    };
+    let near = |place: &Place| (place.at - end).norm() < CORNER;
+    let mut places: Vec<Place> = (0..count).map(corner).filter(near).collect();
     if let Some(foot) = outline.nearest(end).filter(|foot| foot.distance < OFF) {
         let piece = &outline.pieces[foot.piece];
         let along = piece.tangent(foot.t).dot(&(other - end)).abs();
         if places.is_empty() || along < ACROSS * (other - end).norm() {
-            places.push(piece.at(foot.t));
+            let sd = if piece.length() > LONG_WALL { SURE_END } else { RAGGED_END };
+            places.push(Place { at: piece.at(foot.t), sd });
         }
     }
     places
@@ -134,9 +181,9 @@ mod tests {
     fn an_end_is_a_corner_near_by_or_else_the_wall() {
         let corners = [(0.0, 0.0), (5.1, 0.0), (5.1, 4.0), (0.0, 4.0)];
         let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
-        let along = tape((0.0, 0.0), (5.0, 0.0), 5.0).on(&outline).expect("two corners");
+        let along = tape((0.0, 0.0), (5.0, 0.0), 5.0).on(&outline).expect("two corners").mapped;
         assert!((along - 5.1).abs() < 1e-9, "{along}");
-        let across = tape((-0.02, 2.0), (5.0, 2.0), 5.0).on(&outline).expect("two walls");
+        let across = tape((-0.02, 2.0), (5.0, 2.0), 5.0).on(&outline).expect("two walls").mapped;
         assert!((across - 5.1).abs() < 1e-9, "{across}");
         assert_eq!(tape((0.0, 0.0), (9.0, 0.0), 9.0).on(&outline), None, "no wall there");
         assert_eq!(tape((0.0, 0.0), (0.1, 0.0), 0.1).on(&outline), None, "no length at all");
@@ -148,7 +195,7 @@ mod tests {
         let corners = [(0.0, 0.0), (4.8, 0.0), (4.8, 0.1), (5.0, 0.1), (5.0, 4.0), (0.0, 4.0)];
         let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
         for (length, mapped) in [(4.82, 4.8), (5.02, 5.0), (4.99, 5.0)] {
-            let on = tape((0.0, 0.0), (4.9, 0.1), length).on(&outline).expect("two places");
+            let on = tape((0.0, 0.0), (4.9, 0.1), length).on(&outline).expect("two places").mapped;
             assert!((on - mapped).abs() < 2e-3, "{length}: {on}");
         }
     }
@@ -156,7 +203,36 @@ mod tests {
     #[test]
     fn a_tape_that_was_held_elsewhere_is_not_believed() {
         let held = tape((0.0, 0.0), (5.0, 0.0), 5.0);
-        assert!((held.stretch(5.05).expect("one per cent") - 5.0 / 5.05).abs() < 1e-12);
-        assert_eq!(held.stretch(5.5), None);
+        let mapped = |mapped: f64| Length { mapped, sd: 0.0 };
+        assert!(
+            (held.stretch(mapped(5.05), 1.0).expect("one per cent") - 5.0 / 5.05).abs() < 1e-12
+        );
+        assert_eq!(held.stretch(mapped(5.5), 1.0), None);
+    }
+
+    #[test]
+    fn a_tape_between_ragged_ends_says_little() {
+        // A wall of 3 m that ends in steps of 6 cm, 2 % longer on the map than by the tape.
+        let steps =
+            |x: f64, by: f64| (0..5).map(move |k| (x + by * f64::from(k % 2), 0.06 * f64::from(k)));
+        let ragged: Vec<Point> = steps(3.06, 0.05)
+            .chain([(3.06, 2.0), (0.0, 2.0)])
+            .chain(steps(0.0, -0.05).collect::<Vec<_>>().into_iter().rev())
+            .map(|(x, y)| Point::new(x, y))
+            .collect();
+        let plain =
+            [(0.0, 0.0), (3.06, 0.0), (3.06, 2.0), (0.0, 2.0)].map(|(x, y)| Point::new(x, y));
+        let held = tape((0.0, 0.0), (3.0, 0.0), 3.0);
+        let stretch = |corners: &[Point]| {
+            let length = held.on(&Ring::polygon(corners)).expect("two corners");
+            1.0 - held.stretch(length, 1.0).expect("two per cent")
+        };
+        assert!(stretch(&plain) > 0.015, "{}", stretch(&plain));
+        assert!(stretch(&ragged) < 0.006, "{}", stretch(&ragged));
+        // What was stretched already is not stretched again.
+        let half = Length { mapped: 3.0, sd: 0.018 };
+        let first = held.stretch(Length { mapped: 3.03, ..half }, 1.0).expect("one per cent");
+        let again = held.stretch(Length { mapped: 3.03 * first, ..half }, first).expect("less");
+        assert!((again - 1.0).abs() < 1e-4, "{again}");
     }
 }

@@ -146,18 +146,20 @@ impl Mission {
     fn lay_tape(&mut self, fitted: Ring, out: &mut Vec<Output>) -> Result<Ring, Failure> {
         let Some(tape) = self.settings.tape else { return Ok(fitted) };
         let mut outline = fitted;
-        let Some(mapped) = tape.on(&outline) else {
+        let Some(length) = tape.on(&outline) else {
             self.tell(EventKind::TapeNowhere, out);
             return Ok(outline);
         };
-        if tape.stretch(mapped).is_none() {
+        let mapped = length.mapped;
+        if tape.stretch(length, self.tracker.stretched()).is_none() {
             self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
             return Ok(outline);
         }
         for _ in 0..TAPINGS {
-            let Some(stretch) = tape.on(&outline).and_then(|mapped| tape.stretch(mapped)) else {
-                break;
-            };
+            let length = tape.on(&outline);
+            let stretched = self.tracker.stretched();
+            let stretch = length.and_then(|length| tape.stretch(length, stretched));
+            let Some(stretch) = stretch else { break };
             if (stretch - 1.0).abs() < 1e-5 {
                 break;
             }

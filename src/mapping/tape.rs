@@ -230,9 +230,9 @@ mod tests {
         assert!(stretch(&plain) > 0.015, "{}", stretch(&plain));
         assert!(stretch(&ragged) < 0.006, "{}", stretch(&ragged));
         // What was stretched already is not stretched again.
-        let half = Length { mapped: 3.0, sd: 0.018 };
-        let first = held.stretch(Length { mapped: 3.03, ..half }, 1.0).expect("one per cent");
-        let again = held.stretch(Length { mapped: 3.03 * first, ..half }, first).expect("less");
+        let length = |mapped: f64| Length { mapped, sd: 0.018 };
+        let first = held.stretch(length(3.03), 1.0).expect("one per cent");
+        let again = held.stretch(length(3.03 * first), first).expect("less");
         assert!((again - 1.0).abs() < 1e-4, "{again}");
     }
 }

@@ -141,8 +141,8 @@ impl Mission {
         }
     }
 
-    /// Stretches all that was mapped until the taped length, if there is one, is what the tape said;
-    /// the outline then.
+    /// Stretches all that was mapped towards what the tape said, if there is one, as far as its ends are
+    /// known; the outline then.
     fn lay_tape(&mut self, fitted: Ring, out: &mut Vec<Output>) -> Result<Ring, Failure> {
         let Some(tape) = self.settings.tape else { return Ok(fitted) };
         let mut outline = fitted;

@@ -29,9 +29,9 @@ const TO_THE_END: f64 = 0.1;
 const MOST_CUT: f64 = 0.2;
 /// Walls at a corner that was cut off are at least this long, metres, ...
 const LEAST_WALL: f64 = 0.3;
-/// ... and meet at no flatter angle than this (sine). ...
+/// ... and meet at no flatter angle than this (sine).
 const FLATTEST: f64 = 0.15;
-/// ... Where it is flatter than this (sine), a contact on the piece may be of either wall.
+/// At a flatter angle than this (sine) a contact on the piece may be of either wall.
 const SQUARE_ENOUGH: f64 = 0.5;
 /// A contact nearer than this to an end of a piece is of the wall there, metres.
 const ENDS: f64 = 0.02;
@@ -128,7 +128,8 @@ impl Judge<'_> {
         3.0 * self.sigma + 0.002
     }
 
-    /// How far the direction of a run can be trusted beyond its contacts, metres.
+    /// How far the direction of a run can be trusted beyond its contacts, metres: a straight one of more than
+    /// two contacts by no more than `share` of its length.
     fn trusted(&self, run: &Run, share: f64) -> f64 {
         let count = (run.last - run.first + 1) as f64;
         let length = (self.samples[run.last].point - self.samples[run.first].point).norm();

@@ -1,11 +1,12 @@
-//! How long the path plan takes: a flat of 40 corners, 10 x 7 m, at several α, with the lean and
-//! lanes alternatives and all hidden discs. `cargo bench --bench plan`.
+//! How long the path plan takes: `sims/flat.toml`, and a flat of 40 corners, 10 x 7 m, at several
+//! α, with the lean and lanes alternatives and all hidden discs. `cargo bench --bench plan`.
 
 use periplus::geometry::{Piece, Point, Pose, Ring, angle, cross, perp};
 use periplus::mapping::floor::{Coverage, Floor};
 use periplus::mapping::map::{Part, PartClass, Shape, ShapeClass};
 use periplus::mapping::plan::{self, PlanRequest};
-use periplus::mapping::settings::Settings;
+use periplus::mapping::settings::{Settings, Strategy};
+use periplus::simulator::World;
 
 fn main() {
     divan::main();
@@ -104,24 +105,48 @@ fn settings(alpha: f64) -> Settings {
 
 #[divan::bench(args = [0.5, 0.25, 0.1])]
 fn lean_plan(bencher: divan::Bencher<'_, '_>, alpha: f64) {
-    with_request(alpha, |request| {
+    with_request(&flat(), alpha, |request| {
         bencher.bench_local(|| plan::make_alone(request));
     });
 }
 
 #[divan::bench(args = [0.5, 0.25, 0.1])]
 fn lean_plan_and_figures_of_the_others(bencher: divan::Bencher<'_, '_>, alpha: f64) {
-    with_request(alpha, |request| {
+    with_request(&flat(), alpha, |request| {
         bencher.bench_local(|| plan::make(request));
     });
 }
 
-fn with_request(alpha: f64, run: impl FnOnce(&PlanRequest<'_>)) {
-    let outline = flat();
+/// The boundary of `sims/flat.toml`, as the maps' users plan it: 29 corners, 9.6 x 6.4 m.
+fn sims_flat() -> Ring {
+    match World::from_toml(include_str!("../sims/flat.toml"), "sims/flat.toml", 0.1) {
+        Ok(world) => world.boundary,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[divan::bench(args = [0.5, 0.25, 0.1])]
+fn sims_flat_lean(bencher: divan::Bencher<'_, '_>, alpha: f64) {
+    with_request(&sims_flat(), alpha, |request| {
+        bencher.bench_local(|| plan::make_alone(request));
+    });
+}
+
+#[divan::bench(args = [0.5, 0.25, 0.1])]
+fn sims_flat_paper(bencher: divan::Bencher<'_, '_>, alpha: f64) {
+    with_request(&sims_flat(), alpha, |request| {
+        let mut settings = request.settings.clone();
+        settings.strategy = Strategy::Paper;
+        let request = PlanRequest { settings: &settings, ..*request };
+        bencher.bench_local(|| plan::make_alone(&request));
+    });
+}
+
+fn with_request(outline: &Ring, alpha: f64, run: impl FnOnce(&PlanRequest<'_>)) {
     run(&PlanRequest {
-        shape: &shape(&outline),
+        shape: &shape(outline),
         objects: &[],
-        driven: &Coverage::of(&lap(&outline)),
+        driven: &Coverage::of(&lap(outline)),
         from: Point::new(0.5, 0.145),
         settings: &settings(alpha),
     });

@@ -5,7 +5,7 @@
 //! the boundary; everything beyond the walls is unknown, since nobody was there.
 
 use super::native::MapFile;
-use crate::geometry::raster::{Grid, Nearest, inside};
+use crate::geometry::raster::{Grid, inside, squared_distances};
 use crate::geometry::{Point, Ring, Segment};
 
 /// Pitch of the grid, metres: finer than the 5 cm of lidar maps, since touch is.
@@ -45,9 +45,9 @@ pub fn write(map: &MapFile, image: &str) -> Option<RosMap> {
         paint(&mut cells, &inside(&grid, &outline), OCCUPIED);
         surfaces.extend(outline);
     }
-    let near = Nearest::new(&grid, &surfaces);
     let half = (CELL / 2.0) as f32;
-    let touched: Vec<bool> = near.squared.iter().map(|square| *square <= half * half).collect();
+    let touched: Vec<bool> =
+        squared_distances(&grid, &surfaces).iter().map(|square| *square <= half * half).collect();
     paint(&mut cells, &touched, OCCUPIED);
     Some(RosMap { yaml: yaml(image, &grid), pgm: pgm(&grid, &cells) })
 }

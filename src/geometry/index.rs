@@ -100,6 +100,14 @@ impl SegmentIndex {
     /// [`SegmentIndex::distance`] in one look: quicker when `most` is a close bound.
     #[must_use]
     pub fn distance_within(&self, p: Point, most: f64) -> f64 {
+        self.distance_between(p, 0.0, most)
+    }
+
+    /// The same for those who do not care how much nearer than `least` metres the nearest is: any
+    /// distance up to that may be told for it, and the look ends there.
+    #[must_use]
+    pub fn distance_between(&self, p: Point, least: f64, most: f64) -> f64 {
+        let enough = if least > 0.0 { least * least } else { 0.0 };
         let grid = &self.grid;
         let half_diagonal = grid.cell * HALF_DIAGONAL;
         let at = (p - grid.origin) / grid.cell;
@@ -119,9 +127,12 @@ impl SegmentIndex {
                     self.starts[row + first] as usize..self.starts[row + last + 1] as usize;
                 for &number in &self.entries[listed] {
                     best = best.min(self.segments[number as usize].distance_squared(p));
+                    if best <= enough {
+                        break;
+                    }
                 }
             }
-            square >= 0.0
+            square >= 0.0 && best > enough
         };
         // Each until nothing of the next row can be nearer.
         let _ = (nearest..grid.height).find(|row| !look(*row));

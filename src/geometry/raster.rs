@@ -2,7 +2,7 @@
 //! nearest of some segments. The distances are exact for the segment found, whatever the pitch.
 
 use super::segment::Segment;
-use super::{Point, Vector};
+use super::{Point, Vector, cross};
 use std::ops::Range;
 
 /// Square cells over a box; a cell stands for its centre.
@@ -60,7 +60,8 @@ impl Grid {
     #[must_use]
     pub fn locate(&self, p: Point) -> (usize, usize) {
         let at = (p - self.origin) / self.cell;
-        let clamp = |v: f64, most: usize| (v.round().max(0.0) as usize).min(most - 1);
+        // Rounded by cutting; what is below zero comes to the cell at the rim either way.
+        let clamp = |v: f64, most: usize| ((v + 0.5).max(0.0) as usize).min(most - 1);
         (clamp(at.x, self.width), clamp(at.y, self.height))
     }
 
@@ -98,14 +99,18 @@ impl Grid {
         let at = (p - self.origin) / self.cell;
         let split = |v: f64, most: usize| {
             let v = v.clamp(0.0, most as f64 - 1.0);
-            let low = (v as usize).min(most.saturating_sub(2));
+            let low = (v as u32 as usize).min(most.saturating_sub(2));
             (low, v - low as f64)
         };
         let ((x, u), (y, v)) = (split(at.x, self.width), split(at.y, self.height));
         let corner = y * self.width + x;
-        let read = |k: usize| f64::from(values[k.min(values.len() - 1)]);
-        let below = read(corner) * (1.0 - u) + read(corner + 1) * u;
-        let above = read(corner + self.width) * (1.0 - u) + read(corner + self.width + 1) * u;
+        let pair = |at: usize| {
+            let next = values.get(at + 1).unwrap_or(&values[at]);
+            f64::from(values[at]) * (1.0 - u) + f64::from(*next) * u
+        };
+        let below = pair(corner);
+        // A raster of one row has nothing above it.
+        let above = if self.height > 1 { pair(corner + self.width) } else { below };
         below * (1.0 - v) + above * v
     }
 
@@ -155,106 +160,160 @@ impl Grid {
 /// Horizontal slices through the stadium around a segment, as runs of a grid's cells.
 struct Slice<'a> {
     grid: &'a Grid,
-    a: Vector,
-    b: Vector,
     radius: f64,
-    /// From the segment to its left side, `radius` long.
-    side: Vector,
-    slope: f64,
+    /// The lower end and the upper one, from the grid's origin.
+    ends: [Vector; 2],
+    left: Flank,
+    right: Flank,
     /// The rows that it may cut.
     rows: Range<usize>,
+}
+
+/// One of a stadium's straight sides, and between which heights it lies: below, the lower end's
+/// cap is the rim, and above, the upper end's.
+struct Flank {
+    low: f64,
+    high: f64,
+    /// Where it begins, at the height `low`.
+    x: f64,
+    slope: f64,
+}
+
+impl Flank {
+    fn new([lower, upper]: [Vector; 2], side: Vector) -> Self {
+        let along = upper - lower;
+        let slope = if along.y > 0.0 { along.x / along.y } else { 0.0 };
+        Self { low: lower.y + side.y, high: upper.y + side.y, x: lower.x + side.x, slope }
+    }
 }
 
 impl<'a> Slice<'a> {
     fn new(grid: &'a Grid, segment: &Segment, radius: f64) -> Self {
         let (a, b) = (segment.from - grid.origin, segment.to() - grid.origin);
-        let first = ((a.y.min(b.y) - radius) / grid.cell).ceil().max(0.0);
-        let end = ((a.y.max(b.y) + radius) / grid.cell).floor() + 1.0;
-        let rows = first as usize..(end.max(0.0) as usize).min(grid.height);
-        let along = b - a;
-        let side = along
-            .try_normalize(1e-12)
-            .map_or_else(Vector::zeros, |u| Vector::new(-u.y, u.x) * radius);
-        let slope = if along.y.abs() > 1e-12 { along.x / along.y } else { f64::INFINITY };
-        Self { grid, a, b, radius, side, slope, rows }
+        let ends = if a.y <= b.y { [a, b] } else { [b, a] };
+        let first = ceil((ends[0].y - radius) / grid.cell);
+        let end = floor((ends[1].y + radius) / grid.cell) + 1;
+        let along = (ends[1] - ends[0]).try_normalize(1e-12).unwrap_or_else(Vector::x);
+        let left = Vector::new(-along.y, along.x) * radius;
+        Self {
+            grid,
+            radius,
+            ends,
+            left: Flank::new(ends, left),
+            right: Flank::new(ends, -left),
+            rows: first.max(0) as usize..(end.max(0) as usize).min(grid.height),
+        }
     }
 
     /// First and last cell in `row`, if there is one.
     fn run(&self, row: usize) -> Option<(usize, usize)> {
         let y = self.rows.contains(&row).then_some(row as f64 * self.grid.cell)?;
-        let (low, high) = self.at(y)?;
-        let low = (low / self.grid.cell).ceil().max(0.0);
-        let high = (high / self.grid.cell).floor();
-        let any = high >= low && low < self.grid.width as f64;
+        let low = ceil(self.rim(&self.left, -1.0, y) / self.grid.cell).max(0);
+        let high = floor(self.rim(&self.right, 1.0, y) / self.grid.cell);
+        let any = high >= low && (low as usize) < self.grid.width;
         any.then(|| (low as usize, (high as usize).min(self.grid.width - 1)))
     }
 
-    /// From where to where the row at height `y` is cut.
-    fn at(&self, y: f64) -> Option<(f64, f64)> {
-        let mut span: Option<(f64, f64)> = None;
-        let mut add = |low: f64, high: f64| {
-            span = Some(span.map_or((low, high), |(l, h)| (l.min(low), h.max(high))));
-        };
-        for end in [self.a, self.b] {
+    /// Where the rim is at the height `y`, on the side towards `sign` along x.
+    fn rim(&self, flank: &Flank, sign: f64, y: f64) -> f64 {
+        let cap = |end: Vector| {
             let off = y - end.y;
-            let square = self.radius * self.radius - off * off;
-            if square >= 0.0 {
-                let half = square.sqrt();
-                add(end.x - half, end.x + half);
-            }
+            end.x + sign * (self.radius * self.radius - off * off).max(0.0).sqrt()
+        };
+        if y < flank.low {
+            cap(self.ends[0])
+        } else if y > flank.high {
+            cap(self.ends[1])
+        } else {
+            flank.x + (y - flank.low) * flank.slope
         }
-        if self.slope.is_finite() {
-            for side in [self.side, -self.side] {
-                let (p, q) = (self.a + side, self.b + side);
-                if (y - p.y) * (y - q.y) <= 0.0 {
-                    let x = p.x + (y - p.y) * self.slope;
-                    add(x, x);
-                }
-            }
-        }
-        span
     }
 }
 
-/// For every cell of a grid the nearest of some segments.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Nearest {
-    /// Index of the nearest segment; `u32::MAX` where there is none at all.
-    pub which: Vec<u32>,
-    /// Squared distance to it, square metres.
-    pub squared: Vec<f32>,
+/// Like `f64::ceil`, without the call that it is on machines without an instruction for it.
+fn ceil(x: f64) -> i64 {
+    let cut = x as i64;
+    cut + i64::from(x > cut as f64)
+}
+
+fn floor(x: f64) -> i64 {
+    let cut = x as i64;
+    cut - i64::from(x < cut as f64)
+}
+
+/// Measures rows of cells from one segment. In single precision, good for a few parts in ten
+/// million of the distance and of the row's length: a machine does several cells at a time.
+pub struct Ruler<'a> {
+    grid: &'a Grid,
+    from: Point,
+    along: Vector,
+    length: f32,
+    /// How much further ahead and to the left of the segment each next cell is.
+    step: (f32, f32),
+}
+
+impl<'a> Ruler<'a> {
+    /// For the cells of `grid`.
+    #[must_use]
+    pub fn new(grid: &'a Grid, segment: &Segment) -> Self {
+        let length = segment.length();
+        let along = if length > 0.0 { segment.along / length } else { Vector::x() };
+        let step = ((along.x * grid.cell) as f32, (-along.y * grid.cell) as f32);
+        Self { grid, from: segment.from, along, length: length as f32, step }
+    }
+
+    /// Calls `each` with the value of every one of `cells`, which lie side by side from column
+    /// `first` of row `row` on, and its squared distance from the segment, square metres.
+    #[inline]
+    pub fn measure(
+        &self,
+        (first, row): (usize, usize),
+        cells: &mut [f32],
+        mut each: impl FnMut(&mut f32, f32),
+    ) {
+        let from = self.grid.center(first, row) - self.from;
+        let (ahead, aside) = (from.dot(&self.along) as f32, cross(self.along, from) as f32);
+        for (k, value) in cells.iter_mut().enumerate() {
+            let k = k as u32 as f32;
+            let (ahead, aside) = (ahead + k * self.step.0, aside + k * self.step.1);
+            let beyond = (ahead - self.length).max(-ahead).max(0.0);
+            each(value, aside * aside + beyond * beyond);
+        }
+    }
+}
+
+/// Squared distance from every cell of `grid` to the nearest of `segments`, square metres, to the
+/// precision of [`Ruler`]; infinite where there are none.
+///
+/// By halving blocks: of the segments that may be nearest somewhere in a block, only those no
+/// further from its middle than the nearest one plus the block's diagonal can be nearest in it.
+/// What is left in a small block is measured from every cell.
+#[must_use]
+pub fn squared_distances(grid: &Grid, segments: &[Segment]) -> Vec<f32> {
+    let mut field = Nearest { grid, segments, squared: vec![f32::INFINITY; grid.len()] };
+    let mut stack: Vec<u32> = (0..segments.len() as u32).collect();
+    if !stack.is_empty() {
+        let whole = Block { x: 0, y: 0, width: grid.width, height: grid.height };
+        field.fill(&whole, &mut stack, 0);
+    }
+    field.squared
+}
+
+/// [`squared_distances`] in the making.
+struct Nearest<'a> {
+    grid: &'a Grid,
+    segments: &'a [Segment],
+    squared: Vec<f32>,
 }
 
 /// Blocks of at most this many cells a side are filled cell by cell.
-const LEAF: usize = 8;
+const LEAF: usize = 16;
 
-impl Nearest {
-    /// The transform, by halving blocks: of the segments that may be nearest somewhere in a block,
-    /// only those no further from its middle than the nearest one plus the block's diagonal can be
-    /// nearest in it. What is left in a small block is measured from every cell.
-    #[must_use]
-    pub fn new(grid: &Grid, segments: &[Segment]) -> Self {
-        let mut field =
-            Self { which: vec![u32::MAX; grid.len()], squared: vec![f32::INFINITY; grid.len()] };
-        let mut stack: Vec<u32> = (0..segments.len() as u32).collect();
-        if !stack.is_empty() {
-            let whole = Block { x: 0, y: 0, width: grid.width, height: grid.height };
-            field.fill(grid, segments, &whole, &mut stack, 0);
-        }
-        field
-    }
-
+impl Nearest<'_> {
     /// Fills `block` from the candidates on `stack` from `base` on; leaves the stack as it was.
-    fn fill(
-        &mut self,
-        grid: &Grid,
-        segments: &[Segment],
-        block: &Block,
-        stack: &mut Vec<u32>,
-        base: usize,
-    ) {
-        let top = stack.len();
-        let (middle, half) = block.middle(grid);
+    fn fill(&mut self, block: &Block, stack: &mut Vec<u32>, base: usize) {
+        let (segments, top) = (self.segments, stack.len());
+        let (middle, half) = block.middle(self.grid);
         if top - base > 1 {
             let mut least = f64::INFINITY;
             let mut squares: [f64; 64] = [0.0; 64];
@@ -281,29 +340,22 @@ impl Nearest {
             stack.push(stack[base]);
         }
         if block.width <= LEAF && block.height <= LEAF {
-            self.measure(grid, segments, block, &stack[top..]);
+            self.measure(block, &stack[top..]);
         } else {
             for part in block.halves().into_iter().flatten() {
-                self.fill(grid, segments, &part, stack, top);
+                self.fill(&part, stack, top);
             }
         }
         stack.truncate(top);
     }
 
-    fn measure(&mut self, grid: &Grid, segments: &[Segment], block: &Block, candidates: &[u32]) {
-        for y in block.y..block.y + block.height {
-            for x in block.x..block.x + block.width {
-                let at = grid.center(x, y);
-                let (mut best, mut which) = (f64::INFINITY, u32::MAX);
-                for &number in candidates {
-                    let square = segments[number as usize].distance_squared(at);
-                    if square < best {
-                        (best, which) = (square, number);
-                    }
-                }
-                let cell = y * grid.width + x;
-                self.squared[cell] = best as f32;
-                self.which[cell] = which;
+    fn measure(&mut self, block: &Block, candidates: &[u32]) {
+        for &number in candidates {
+            let ruler = Ruler::new(self.grid, &self.segments[number as usize]);
+            for y in block.y..block.y + block.height {
+                let begin = y * self.grid.width + block.x;
+                let cells = &mut self.squared[begin..begin + block.width];
+                ruler.measure((block.x, y), cells, |value, square| *value = value.min(square));
             }
         }
     }

@@ -17,7 +17,7 @@ pub(in crate::mapping) use hidden::Unswept;
 pub(in crate::mapping) use reach::{SPARE, component};
 
 use crate::geometry::index::SegmentIndex;
-use crate::geometry::raster::{Grid, Nearest, inside};
+use crate::geometry::raster::{Grid, inside, squared_distances};
 use crate::geometry::segment::chords;
 use crate::geometry::{Point, Ring, Segment, ring};
 use crate::robot::Chassis;
@@ -99,17 +99,23 @@ impl Floor {
     /// Distance from `p` to the boundary alone, metres; negative outside.
     #[must_use]
     pub fn wall_clearance(&self, p: Point) -> f64 {
-        let (known, off) = self.nearest_cell(p);
-        let known = f64::from(self.wall[known]);
+        let (cell, off) = self.nearest_cell(p);
+        let known = f64::from(self.wall[cell]);
         // The raster bounds the distance, so that one look is enough.
-        let most = known.abs() + off + 1e-5;
-        let distance = self.walls.distance_within(p, most);
+        let distance = self.walls.distance_within(p, known.abs() + off + 1e-5);
         let within = if known.abs() > self.grid.cell {
             known > 0.0
         } else {
             odd_crossings(self.walls.segments(), p)
         };
         if within { distance } else { -distance }
+    }
+
+    /// Between which two figures [`Floor::wall_clearance`] lies, metres, as far as the raster knows.
+    fn wall_bounds(&self, p: Point) -> (f64, f64) {
+        let (cell, off) = self.nearest_cell(p);
+        let known = f64::from(self.wall[cell]);
+        (known - off - 1e-5, known + off + 1e-5)
     }
 
     /// The cell nearest to `p`, and how far away it is, metres.
@@ -208,12 +214,9 @@ impl Floor {
 
 /// Signed distance of every cell to closed outlines: `inner` is the sign inside.
 fn signed(grid: &Grid, outline: &[Segment], inner: f32) -> Vec<f32> {
-    let nearest = Nearest::new(grid, outline);
-    let within = inside(grid, outline);
-    nearest
-        .squared
+    squared_distances(grid, outline)
         .iter()
-        .zip(within)
+        .zip(inside(grid, outline))
         .map(|(square, within)| square.sqrt() * if within { inner } else { -inner })
         .collect()
 }

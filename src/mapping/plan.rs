@@ -122,46 +122,30 @@ impl Work<'_> {
         match strategy {
             Strategy::Paper => {
                 let (order, length) = order::by_vertex(self, lines);
-                let driven = lean::essential(self, lines);
-                self.outcome_of(strategy, order, length, &driven)
+                outcome(strategy, order, length, &lean::left_by_all(self, lines))
             }
             Strategy::Lean => {
-                let chosen = lean::choose(self, lines);
+                let (chosen, left) = lean::choose(self, lines);
                 let (order, length) = order::shortest(self, &chosen);
-                self.outcome_of(strategy, order, length, &chosen)
+                outcome(strategy, order, length, &left)
             }
             Strategy::Lanes => {
                 let first = lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
                 let (order, length, lanes) = lanes::plan(self, first);
-                let driven: Vec<&PlanLine> = lanes.iter().collect();
-                let outcome = self.outcome_of(strategy, order, length, &driven);
+                let free = lanes.iter().flat_map(|lane| drive::free_pieces(self.floor, lane));
+                let pieces: Vec<Segment> = free.map(|(a, b)| Segment::new(a, b)).collect();
+                let outcome = outcome(strategy, order, length, &self.lap.and(&pieces));
                 Outcome { extra: lanes, ..outcome }
             }
         }
     }
+}
 
-    /// What driving `driven` in `order` comes to.
-    fn outcome_of(
-        &self,
-        strategy: Strategy,
-        order: order::Order,
-        length: f64,
-        driven: &[&PlanLine],
-    ) -> Outcome {
-        let pieces: Vec<Segment> = driven
-            .iter()
-            .flat_map(|line| drive::free_pieces(self.floor, line))
-            .map(|(a, b)| Segment::new(a, b))
-            .collect();
-        let hidden = self.lap.and(&pieces).spots(0.0, 1).pop();
-        let figures = PlanFigures {
-            strategy,
-            lines: order.len(),
-            length,
-            hidden_disc: hidden.map_or(0.0, |disc| disc.diameter),
-        };
-        Outcome { order, figures, extra: Vec::new() }
-    }
+/// What lines driven in `order` come to that leave `left`.
+fn outcome(strategy: Strategy, order: order::Order, length: f64, left: &Unswept<'_>) -> Outcome {
+    let hidden_disc = left.spots(0.0, 1).pop().map_or(0.0, |disc| disc.diameter);
+    let figures = PlanFigures { strategy, lines: order.len(), length, hidden_disc };
+    Outcome { order, figures, extra: Vec::new() }
 }
 
 #[cfg(test)]

@@ -23,12 +23,12 @@ fn ell() -> Vec<Segment> {
 fn the_transform_agrees_with_measuring_every_segment_from_every_cell() {
     let segments = ell();
     let grid = Grid::over(Point::new(0.0, 0.0), Point::new(4.0, 3.0), 0.037, 0.1);
-    let field = Nearest::new(&grid, &segments);
-    for cell in 0..grid.len() {
+    let field = squared_distances(&grid, &segments);
+    for (cell, &square) in field.iter().enumerate() {
         let at = grid.point(cell);
         let want =
             segments.iter().map(|s| s.distance_squared(at)).fold(f64::INFINITY, f64::min).sqrt();
-        let got = f64::from(field.squared[cell]).sqrt();
+        let got = f64::from(square).sqrt();
         assert!((got - want).abs() < 1e-4, "{got} instead of {want} at {at}");
     }
 }

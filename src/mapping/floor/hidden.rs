@@ -9,7 +9,7 @@
 use super::Floor;
 use super::corner::Corner;
 use crate::geometry::index::SegmentIndex;
-use crate::geometry::raster::{Grid, Nearest};
+use crate::geometry::raster::{Grid, Ruler, squared_distances};
 use crate::geometry::{Point, Segment, Vector};
 use std::cell::RefCell;
 
@@ -65,10 +65,8 @@ pub(in crate::mapping) struct Unswept<'a> {
 
 impl<'a> Unswept<'a> {
     pub(in crate::mapping) fn new(floor: &'a Floor, path: Vec<Segment>) -> Self {
-        let nearest = Nearest::new(&floor.grid, &path);
         let reach = floor.reach as f32;
-        let field = nearest
-            .squared
+        let field = squared_distances(&floor.grid, &path)
             .iter()
             .zip(&floor.free)
             .map(|(square, &free)| free.min(square.sqrt() - reach))
@@ -98,15 +96,26 @@ impl<'a> Unswept<'a> {
 
     /// Radius of the disc around `p`, exactly.
     pub(in crate::mapping) fn radius(&self, p: Point) -> f64 {
+        self.radius_over(p, 0.0)
+    }
+
+    /// The same if it is more than `needed`; else anything up to that.
+    fn radius_over(&self, p: Point, needed: f64) -> f64 {
         let floor = self.floor;
-        let wall = floor.wall_clearance(p);
-        if wall <= 0.0 {
-            return wall;
+        // The raster says within a pitch how far the walls are, and most places fail by the path.
+        let (near, far) = floor.wall_bounds(p);
+        if far <= needed {
+            return far;
         }
-        let mut least = wall.min(floor.object_clearance_within(p, wall));
-        let most = least + floor.reach;
-        least = least.min(self.path.distance_within(p, most) - floor.reach);
-        if wall < floor.radius && least > 0.0 {
+        let off = self.path.distance_between(p, needed + floor.reach, far + floor.reach);
+        let mut least = off - floor.reach;
+        if least <= needed {
+            return least;
+        }
+        let wall = if near >= least.max(floor.radius) { near } else { floor.wall_clearance(p) };
+        least = least.min(wall);
+        least = least.min(floor.object_clearance_within(p, least));
+        if wall < floor.radius && least > needed.max(0.0) {
             least = least.min(self.corner_depth(p));
         }
         least
@@ -176,8 +185,9 @@ impl<'a> Unswept<'a> {
             // Half of the directions at a time, the others next.
             for direction in DIRECTIONS.into_iter().skip(odd).step_by(2) {
                 let next = at + direction * step;
-                let radius = self.radius(next);
-                if radius > best.map_or(here, |(_, most)| most) {
+                let most = best.map_or(here, |(_, most)| most);
+                let radius = self.radius_over(next, most);
+                if radius > most {
                     best = Some((next, radius));
                 }
             }
@@ -199,19 +209,18 @@ impl<'a> Unswept<'a> {
 /// Lowers the radii that the sweep of one more segment cuts. What it cuts hangs together with the
 /// swath itself, so one goes outwards from there, rim by rim, until nothing changes any more.
 fn lower(grid: &Grid, segment: &Segment, reach: f64, field: &mut [f32]) {
+    let ruler = Ruler::new(grid, segment);
     let (mut inner, mut outer) = (0.0, reach + 4.0 * grid.cell);
     loop {
         let mut changed = false;
         grid.rim_runs(segment, (inner, outer), |row, first, last| {
-            for x in first..=last {
-                let value = &mut field[row * grid.width + x];
-                let square = segment.distance_squared(grid.center(x, row));
-                let limit = f64::from(*value) + reach;
-                if limit > 0.0 && square < limit * limit {
-                    *value = (square.sqrt() - reach) as f32;
-                    changed = true;
-                }
-            }
+            let cells = &mut field[row * grid.width + first..=row * grid.width + last];
+            ruler.measure((first, row), cells, |value, square| {
+                let radius = square.sqrt() - reach as f32;
+                // Where nothing fits it does not matter how much less fits now.
+                changed |= radius < *value && *value > 0.0;
+                *value = value.min(radius);
+            });
         });
         if !changed {
             return;

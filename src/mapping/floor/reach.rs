@@ -2,7 +2,7 @@
 //! together with where the robot stands.
 
 use super::{Floor, inside};
-use crate::geometry::raster::{Grid, Nearest};
+use crate::geometry::raster::{Grid, squared_distances};
 use crate::geometry::{Point, Segment};
 
 /// The centre keeps this much more than the radius from everything, metres.
@@ -14,7 +14,7 @@ pub(super) fn stand_on(grid: &Grid, outlines: &[Vec<Segment>], free: &mut [f32])
     if all.is_empty() {
         return;
     }
-    for (value, square) in free.iter_mut().zip(Nearest::new(grid, &all).squared) {
+    for (value, square) in free.iter_mut().zip(squared_distances(grid, &all)) {
         *value = value.abs().min(square.sqrt()).copysign(*value);
     }
     for outline in outlines {

@@ -51,36 +51,55 @@ impl Need {
         self.bits.iter().all(|&word| word == 0)
     }
 
-    /// How many places the pieces of a line serve.
-    pub(super) fn gain(&self, pieces: &[Segment]) -> usize {
+    /// The places that a line's pieces would serve if all were needed.
+    pub(super) fn span(&self, pieces: &[Segment]) -> Span {
+        let mut words = Vec::with_capacity(64);
+        for piece in pieces {
+            self.grid.stadium_runs(piece, self.radius, |row, first, last| {
+                let (mut word, mut from) = (first / 64, first % 64);
+                while word < last / 64 {
+                    words.push(((row * self.words + word) as u32, u64::MAX << from));
+                    (word, from) = (word + 1, 0);
+                }
+                let mask = (u64::MAX << from) & (u64::MAX >> (63 - last % 64));
+                words.push(((row * self.words + word) as u32, mask));
+            });
+        }
+        Span(words)
+    }
+
+    /// How many places a line serves.
+    pub(super) fn gain(&self, span: &Span) -> usize {
         let mut count = 0;
-        self.runs(pieces, |word, mask| {
-            count += (self.bits[word] & mask).count_ones() as usize;
-        });
+        for (word, mask) in span.words() {
+            let served = self.bits[word] & mask;
+            // Most words are served out soon, and counting bits is dear without an instruction for it.
+            if served != 0 {
+                count += served.count_ones() as usize;
+            }
+        }
         count
     }
 
-    /// Strikes out the places that the pieces of a line serve; whether there were any.
-    pub(super) fn serve(&mut self, pieces: &[Segment]) -> bool {
-        let mut bits = std::mem::take(&mut self.bits);
+    /// Strikes out the places that a line serves; whether there were any.
+    pub(super) fn serve(&mut self, span: &Span) -> bool {
         let mut any = false;
-        self.runs(pieces, |word, mask| {
-            any |= bits[word] & mask != 0;
-            bits[word] &= !mask;
-        });
-        self.bits = bits;
+        for (word, mask) in span.words() {
+            any |= self.bits[word] & mask != 0;
+            self.bits[word] &= !mask;
+        }
         any
     }
 
-    /// Calls `visit` with the index of every place that the pieces serve.
-    pub(super) fn served(&self, pieces: &[Segment], mut visit: impl FnMut(usize)) {
-        self.runs(pieces, |word, mask| {
+    /// Calls `visit` with the index of every place that a line serves.
+    pub(super) fn served(&self, span: &Span, mut visit: impl FnMut(usize)) {
+        for (word, mask) in span.words() {
             let mut left = self.bits[word] & mask;
             while left != 0 {
                 visit(word * 64 + left.trailing_zeros() as usize);
                 left &= left - 1;
             }
-        });
+        }
     }
 
     /// The places still needed: index and where.
@@ -123,25 +142,21 @@ impl Need {
         let length = piece.length();
         let along = piece.along / length;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        self.served(std::slice::from_ref(piece), |index| {
+        self.served(&self.span(std::slice::from_ref(piece)), |index| {
             let at = (self.point(index) - piece.from).dot(&along).clamp(0.0, length);
             (low, high) = (low.min(at), high.max(at));
         });
         (low <= high).then(|| (piece.from + along * low, piece.from + along * high))
     }
+}
 
-    /// The words and masks of all places within the radius of the pieces.
-    fn runs(&self, pieces: &[Segment], mut visit: impl FnMut(usize, u64)) {
-        for piece in pieces {
-            self.grid.stadium_runs(piece, self.radius, |row, first, last| {
-                let base = row * self.words;
-                for word in first / 64..=last / 64 {
-                    let from = if word == first / 64 { first % 64 } else { 0 };
-                    let to = if word == last / 64 { last % 64 } else { 63 };
-                    let mask = (u64::MAX << from) & (u64::MAX >> (63 - to));
-                    visit(base + word, mask);
-                }
-            });
-        }
+/// The places within reach of a line's pieces, as words of the raster and their bits: worked out
+/// once, and counted again and again as fewer of them are needed.
+#[derive(Debug, Clone)]
+pub(super) struct Span(Vec<(u32, u64)>);
+
+impl Span {
+    fn words(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
+        self.0.iter().map(|&(word, mask)| (word as usize, mask))
     }
 }

@@ -69,7 +69,7 @@ fn lanes(work: &Work<'_>, mut need: Need, along: Vector, first: u32) -> Vec<Plan
             need.drop(index);
             continue;
         };
-        need.serve(&[Segment::new(from, to)]);
+        need.serve(&need.span(&[Segment::new(from, to)]));
         need.drop(index);
         lanes.push(line(work, first + lanes.len() as u32, from, to));
     }

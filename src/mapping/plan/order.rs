@@ -56,7 +56,7 @@ fn connection(work: &Work<'_>, travel: &Travel, at: Point, to: Point) -> f64 {
     if work.floor.is_clear(at, to, work.floor.radius) {
         return straight;
     }
-    let round = travel.length(&travel.from(at), to);
+    let round = travel.length(&travel.from(travel.cell(at)), at, to);
     if round.is_finite() { round } else { straight }
 }
 
@@ -112,12 +112,19 @@ impl Tour {
         ends.push(work.from);
         let size = ends.len();
         let mut ways = vec![0.0; size * size];
-        for (i, &a) in ends.iter().enumerate() {
-            let from = travel.from(a);
-            for (j, &b) in ends.iter().enumerate().skip(i + 1) {
-                let way = travel.length(&from, b).min(FAR) as f32;
-                ways[i * size + j] = way;
-                ways[j * size + i] = way;
+        // Lines that begin at one vertex have their ends close together: one look serves them all.
+        let mut by_cell: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (i, &end) in ends.iter().enumerate() {
+            by_cell.entry(travel.cell(end)).or_default().push(i);
+        }
+        for (cell, here) in by_cell {
+            let steps = travel.from(cell);
+            for i in here {
+                for (j, &to) in ends.iter().enumerate().skip(i + 1) {
+                    let way = travel.length(&steps, ends[i], to).min(FAR) as f32;
+                    ways[i * size + j] = way;
+                    ways[j * size + i] = way;
+                }
             }
         }
         Self { count: drives.len(), ways, stops: Vec::new() }

@@ -53,7 +53,7 @@ pub fn supplement(
             let Some((from, to, old)) = serving(&work, &need, lines, &spot) else {
                 continue;
             };
-            need.serve(&[Segment::new(from, to)]);
+            need.serve(&need.span(&[Segment::new(from, to)]));
             covered.add_line(from, to);
             let id = old.filter(|id| !added.iter().any(|l| l.id == *id)).unwrap_or_else(|| {
                 next += 1;
@@ -121,7 +121,7 @@ impl Choice<'_> {
             return;
         };
         let (a, b) = stretched(stretch, &piece);
-        let gain = self.need.gain(&[Segment::new(a, b)]) as f64;
+        let gain = self.need.gain(&self.need.span(&[Segment::new(a, b)])) as f64;
         let worth = gain / ((b - a).norm() + 1.0);
         let better = self.best.is_none_or(|(most, ..)| worth > most);
         if better && serves(self.work, self.spot, a, b) {

@@ -6,7 +6,7 @@ use crate::geometry::raster::Grid;
 use crate::mapping::floor::Floor;
 
 /// Pitch of the coarse raster, metres, about.
-const PITCH: f64 = 0.15;
+const PITCH: f64 = 0.18;
 /// Costs of a straight and a diagonal step: 7 / 5 is near enough to the root of two.
 const STRAIGHT: u32 = 5;
 const DIAGONAL: u32 = 7;
@@ -19,11 +19,8 @@ pub(super) struct Travel {
     open: Vec<bool>,
 }
 
-/// Steps from one place to all others.
-pub(super) struct From {
-    at: Point,
-    steps: Vec<u32>,
-}
+/// Steps from one cell to all others.
+pub(super) struct Steps(Vec<u32>);
 
 impl Travel {
     pub(super) fn new(floor: &Floor) -> Self {
@@ -49,8 +46,15 @@ impl Travel {
         Self { grid, open }
     }
 
-    /// Steps from `at` to everywhere.
-    pub(super) fn from(&self, at: Point) -> From {
+    /// The cell that `at` lies in, or the nearest within the rim.
+    pub(super) fn cell(&self, at: Point) -> usize {
+        let (x, y) = self.grid.locate(at);
+        let inner = |v: usize, most: usize| v.clamp(1, most.saturating_sub(2).max(1));
+        inner(y, self.grid.height) * self.grid.width + inner(x, self.grid.width)
+    }
+
+    /// Steps from the cell `start` to everywhere.
+    pub(super) fn from(&self, start: usize) -> Steps {
         let width = self.grid.width;
         // What is added to an index modulo 2^64: steps to the eight cells around.
         let around = [
@@ -66,16 +70,15 @@ impl Travel {
         // Closed cells count as reached at once, so that one comparison tells both.
         let mut steps: Vec<u32> = self.open.iter().map(|&o| if o { u32::MAX } else { 0 }).collect();
         let mut buckets: [Vec<u32>; 8] = std::array::from_fn(|_| Vec::new());
-        let (x, y) = self.grid.locate(at);
-        let inner = |v: usize, most: usize| v.clamp(1, most.saturating_sub(2).max(1));
-        let start = inner(y, self.grid.height) * width + inner(x, width);
         steps[start] = 1;
         buckets[1].push(start as u32);
         let (mut now, mut waiting) = (1_u32, 1_usize);
+        let mut due: Vec<u32> = Vec::new();
         while waiting > 0 {
-            let due = std::mem::take(&mut buckets[now as usize % 8]);
+            due.clear();
+            std::mem::swap(&mut due, &mut buckets[now as usize % 8]);
             waiting -= due.len();
-            for cell in due {
+            for &cell in &due {
                 if steps[cell as usize] != now {
                     continue;
                 }
@@ -90,13 +93,14 @@ impl Travel {
             }
             now += 1;
         }
-        From { at, steps }
+        Steps(steps)
     }
 
-    /// Estimated way from there to `to`, metres; infinite when none leads there.
-    pub(super) fn length(&self, from: &From, to: Point) -> f64 {
-        let straight = (to - from.at).norm();
-        match from.steps[self.grid.index(to)] {
+    /// Estimated way from `at`, in the cell that the steps were counted from, to `to`, metres;
+    /// infinite when none leads there.
+    pub(super) fn length(&self, steps: &Steps, at: Point, to: Point) -> f64 {
+        let straight = (to - at).norm();
+        match steps.0[self.grid.index(to)] {
             0 | u32::MAX => f64::INFINITY,
             steps => {
                 let round = f64::from(steps - 1) / f64::from(STRAIGHT) * self.grid.cell;

@@ -69,7 +69,11 @@ impl Ending {
     #[must_use]
     pub fn of(session: &Session) -> Option<Self> {
         let (outcome, reason) = match session.run_state() {
-            RunState::Complete => (Outcome::Complete, "map complete".to_owned()),
+            RunState::Complete => {
+                let owed = session.mission().map().shortfall();
+                let but = owed.map_or_else(String::new, |owed| format!(", but {owed}"));
+                (Outcome::Complete, format!("map complete{but}"))
+            }
             RunState::Failed(Failure::Ended) => (Outcome::Stopped, Failure::Ended.to_string()),
             RunState::Failed(why) => (Outcome::Failed, why.to_string()),
             _ => return None,

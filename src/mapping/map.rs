@@ -1,6 +1,10 @@
 //! The map as far as it is known: contacts, outline, shape, plan and objects, as plain data.
 //! Every phase adds its part; the screen and the exports read it.
 
+mod promise;
+
+pub use promise::Shortfall;
+
 use super::accuracy::Accuracy;
 use super::calibration::Calibration;
 use super::settings::Strategy;

@@ -136,7 +136,8 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         rows.push(("promise", format!("hidden disc {hidden}"), Role::Value));
     }
     if let Some(disc) = map.hidden_disc {
-        rows.push(("as drvn", format!("hidden disc {}", words::small(disc)), Role::Value));
+        let role = if map.shortfall().is_some() { Role::Warning } else { Role::Value };
+        rows.push(("as drvn", format!("hidden disc {}", words::small(disc)), role));
     }
     let open = map.objects.iter().filter(|object| !object.closed).count();
     if !map.objects.is_empty() {

@@ -29,6 +29,10 @@ pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
         RunState::Stepping(Step::Event) => ("▷ TO EVENT", Role::Running),
         RunState::Stepping(Step::Phase) => ("▷ TO PHASE END", Role::Running),
         RunState::Stopped => ("■ STOPPED", Role::Stopped),
+        // Over it is, but a map that does not keep its promise is none to be glad of.
+        RunState::Complete if snapshot.map.shortfall().is_some() => {
+            ("! NOT ALL SEEN", Role::Paused)
+        }
         RunState::Complete => ("✓ COMPLETE", Role::Complete),
         RunState::Failed(_) => ("✗ FAILED", Role::Failed),
     };

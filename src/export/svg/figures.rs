@@ -74,6 +74,9 @@ fn run(record: &RunRecord<'_>) -> String {
     if record.outcome != Outcome::Complete {
         words = vec![format!("{outcome}: {}", record.reason)];
     }
+    if let Some(owed) = record.map.shortfall().filter(|_| record.outcome == Outcome::Complete) {
+        words = vec![format!("{outcome}, but {owed}")];
+    }
     words.push(format!(
         "{travel:.1} m driven in {} min {:02} s",
         seconds as u64 / 60,

@@ -24,9 +24,6 @@ use crate::mapping::unreached::{Unreached, unreached};
 /// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
 const LOPSIDED: f64 = 0.31;
 
-/// The promise counts as kept when no disc wider than α and this may hide, metres.
-const KEPT: f64 = 0.01;
-
 /// An outline fitted anew after the tour is the same room when its area differs by no more than this
 /// share.
 const REFINED: f64 = 0.05;
@@ -340,10 +337,8 @@ impl Mission {
             tour.publish(&self.survey, &mut self.map);
             self.refine();
             tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
-            if let (Some(diameter), Some(at)) = (self.map.hidden_disc, self.map.hidden_at)
-                && diameter > self.settings.alpha + KEPT
-            {
-                self.tell(EventKind::StillHidden { diameter, at }, out);
+            if let (Some(owed), Some(at)) = (self.map.shortfall(), self.map.hidden_at) {
+                self.tell(EventKind::StillHidden { diameter: owed.hidden, at }, out);
             }
             self.tell_unreached(out);
             self.calibrate();

@@ -12,11 +12,16 @@ use crate::robot::Chassis;
 const REACH: f64 = 0.16;
 /// A rectangle may lie this much looser on the contacts than a ring of more pieces.
 const LOOSER: f64 = 1.2;
+/// The chord that closes what was not gone round is its other side when it is no longer than this share of
+/// the way along what was seen, ...
+const MOST_UNSEEN: f64 = 0.5;
+/// ... and else what was seen is as deep as this, metres.
+const DEPTH: f64 = 0.01;
 /// How far a corner may be from a right angle, radians.
 const RIGHT: f64 = 5.0 * angle::PI / 180.0;
 
 /// The surface of an object from its contacts in time order, counter-clockwise, and what it looks
-/// like. When it is not `closed`, the ring is the chain of contacts closed by a chord.
+/// like. When it is not `closed`, the ring runs along what was seen of it.
 #[must_use]
 pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass) {
     if !closed {
@@ -146,11 +151,66 @@ fn hull(contacts: &[Contact]) -> Ring {
     Ring::polygon(&corners)
 }
 
+/// What was seen of something that was not gone round, closed by a chord: where the chord is short that is
+/// nearly all of it. Where it is long nobody knows what lies behind, and the floor on the other side, which
+/// may be the half of a room, is not taken for solid: then only what was seen counts, and a little depth.
 fn chain(contacts: &[Contact]) -> Ring {
-    let points: Vec<Point> = order::along_wall(contacts, REACH)
-        .iter()
-        .filter(|c| c.kind != ContactKind::Edge)
-        .map(|c| c.point)
-        .collect();
+    let seen = order::along_open(contacts);
+    let mut points: Vec<Point> = seen.iter().map(|c| c.point).collect();
+    let gone: f64 = points.windows(2).map(|two| (two[1] - two[0]).norm()).sum();
+    let chord = points.first().zip(points.last()).map_or(0.0, |(a, b)| (b - a).norm());
+    if chord > MOST_UNSEEN * gone {
+        let behind = |c: &Contact| {
+            let away = (c.point - c.from).try_normalize(1e-9)?;
+            Some(c.point + away * DEPTH)
+        };
+        points.extend(seen.iter().rev().filter_map(behind));
+    }
     Ring::polygon(&points).counter_clockwise()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Contacts every 5 cm along `corners`, seen from their right.
+    fn along(corners: &[(f64, f64)]) -> Vec<Contact> {
+        let corners: Vec<Point> = corners.iter().map(|&(x, y)| Point::new(x, y)).collect();
+        let mut contacts = Vec::new();
+        for two in corners.windows(2) {
+            let (way, count) = (two[1] - two[0], ((two[1] - two[0]).norm() / 0.05).round());
+            let right = crate::geometry::perp(way).normalize() * -0.15;
+            let begun = contacts.len() as f64;
+            contacts.extend((0..count as u32).map(|k| {
+                let point = two[0] + way * ((f64::from(k) + 0.5) / count);
+                let time = begun + f64::from(k);
+                let (from, sensor) = (point + right, Some(2));
+                Contact { point, from, sensor, kind: ContactKind::Range, time }
+            }));
+        }
+        contacts
+    }
+
+    #[test]
+    fn a_half_seen_wall_does_not_make_the_room_behind_it_solid() {
+        // 6 m of a wall with a step in it; a chord from end to end would cut off 0.6 m².
+        let seen = along(&[(0.0, 0.0), (3.0, 0.0), (3.0, 0.2), (6.0, 0.2)]);
+        let (outline, class) = object_outline(&seen, false);
+        assert_eq!(class, ObjectClass::Open);
+        assert!(outline.area() < 6.3 * 1.5 * DEPTH, "{} m²", outline.area());
+        assert!(seen.iter().all(|contact| outline.distance(contact.point) < 1e-9));
+        let middle = Point::new(3.0, 0.1);
+        for off in [-0.5, 0.5] {
+            let beside = middle + crate::geometry::Vector::new(off, off);
+            assert!(!outline.contains(beside) && outline.distance(beside) > 0.3);
+        }
+    }
+
+    #[test]
+    fn of_a_thing_seen_nearly_all_round_the_chord_is_its_other_side() {
+        let seen = along(&[(0.0, 0.0), (0.6, 0.0), (0.6, 0.4), (0.0, 0.4)]);
+        let (outline, _) = object_outline(&seen, false);
+        assert!(outline.contains(Point::new(0.3, 0.2)), "{outline:?}");
+        assert!((outline.area() - 0.24).abs() < 0.03, "{} m²", outline.area());
+    }
 }

@@ -23,11 +23,9 @@ const OVERLAP: f64 = 1.6;
 /// Edge contacts are put where they fit best between the others; `reach` is body radius plus range of
 /// the switches, metres.
 pub(super) fn along_wall(contacts: &[Contact], reach: f64) -> Vec<Contact> {
-    let usable = |c: &&Contact| {
-        c.point.coords.iter().all(|v| v.is_finite()) && c.from.coords.iter().all(|v| v.is_finite())
-    };
+    let usable = contacts.iter().filter(|c| is_finite(c));
     let (edges, mut surface): (Vec<Contact>, Vec<Contact>) =
-        contacts.iter().filter(usable).copied().partition(|c| c.kind == ContactKind::Edge);
+        usable.copied().partition(|c| c.kind == ContactKind::Edge);
     surface.truncate(end_of_lap(&surface));
     let mut surface = without_pockets(&surface, reach);
     shorten(&mut surface);
@@ -39,6 +37,23 @@ pub(super) fn along_wall(contacts: &[Contact], reach: f64) -> Vec<Contact> {
     }
     insert_edges(&mut surface, &edges);
     surface
+}
+
+/// The same of a way that does not come back to where it began: its first and last contact stay its ends.
+/// Edge contacts are left out.
+pub(super) fn along_open(contacts: &[Contact]) -> Vec<Contact> {
+    let mut surface: Vec<Contact> =
+        contacts.iter().filter(|c| c.kind != ContactKind::Edge && is_finite(c)).copied().collect();
+    shorten(&mut surface);
+    if !floor_on_left(&surface) {
+        surface.reverse();
+    }
+    surface
+}
+
+fn is_finite(contact: &Contact) -> bool {
+    let finite = |p: Point| p.coords.iter().all(|v| v.is_finite());
+    finite(contact.point) && finite(contact.from)
 }
 
 /// How many contacts belong to the first time round: where the tail comes nearest to the first

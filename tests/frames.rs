@@ -87,6 +87,11 @@ fn every_phase_of_a_room_with_an_object() {
     until_paused(&mut run);
     assert_eq!(run.session().run_state(), RunState::Complete);
     hold("9_complete", &run.snapshot(), &Overlay::None);
+    let mut owing = run.snapshot();
+    owing.map.hidden_disc = Some(1.5);
+    let model = Model::new(80, 24, Keymap::default());
+    let (symbols, _) = frame::planes(&model, &owing);
+    assert!(symbols.contains("! NOT ALL SEEN") && !symbols.contains("COMPLETE"), "{symbols}");
     // A stop holds after the end too, and is cleared like any other.
     let mut model = Model::new(80, 24, Keymap::default());
     run.intent(Intent::Stop);

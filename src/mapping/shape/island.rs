@@ -68,27 +68,12 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::along as seen_along;
     use super::*;
 
-    /// Contacts every 5 cm along `corners`, the floor on the left.
+    /// Contacts along `corners`, the floor on the left.
     fn along(corners: &[(f64, f64)]) -> Vec<Contact> {
-        let corners: Vec<Point> = corners.iter().map(|&(x, y)| Point::new(x, y)).collect();
-        let mut contacts = Vec::new();
-        for two in corners.windows(2) {
-            let (way, count) = (two[1] - two[0], ((two[1] - two[0]).norm() / 0.05).ceil());
-            let left = crate::geometry::perp(way).normalize() * 0.15;
-            contacts.extend((0..count as u32).map(|k| {
-                let point = two[0] + way * (f64::from(k) / count);
-                Contact {
-                    point,
-                    from: point + left,
-                    sensor: Some(2),
-                    kind: ContactKind::Range,
-                    time: 0.0,
-                }
-            }));
-        }
-        contacts
+        seen_along(corners, 1.0)
     }
 
     #[test]

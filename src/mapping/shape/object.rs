@@ -171,30 +171,13 @@ fn chain(contacts: &[Contact]) -> Ring {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::along;
     use super::*;
-
-    /// Contacts every 5 cm along `corners`, seen from their right.
-    fn along(corners: &[(f64, f64)]) -> Vec<Contact> {
-        let corners: Vec<Point> = corners.iter().map(|&(x, y)| Point::new(x, y)).collect();
-        let mut contacts = Vec::new();
-        for two in corners.windows(2) {
-            let (way, count) = (two[1] - two[0], ((two[1] - two[0]).norm() / 0.05).round());
-            let right = crate::geometry::perp(way).normalize() * -0.15;
-            let begun = contacts.len() as f64;
-            contacts.extend((0..count as u32).map(|k| {
-                let point = two[0] + way * ((f64::from(k) + 0.5) / count);
-                let time = begun + f64::from(k);
-                let (from, sensor) = (point + right, Some(2));
-                Contact { point, from, sensor, kind: ContactKind::Range, time }
-            }));
-        }
-        contacts
-    }
 
     #[test]
     fn a_half_seen_wall_does_not_make_the_room_behind_it_solid() {
         // 6 m of a wall with a step in it; a chord from end to end would cut off 0.6 m².
-        let seen = along(&[(0.0, 0.0), (3.0, 0.0), (3.0, 0.2), (6.0, 0.2)]);
+        let seen = along(&[(0.0, 0.0), (3.0, 0.0), (3.0, 0.2), (6.0, 0.2)], -1.0);
         let (outline, class) = object_outline(&seen, false);
         assert_eq!(class, ObjectClass::Open);
         assert!(outline.area() < 6.3 * 1.5 * DEPTH, "{} m²", outline.area());
@@ -208,7 +191,7 @@ mod tests {
 
     #[test]
     fn of_a_thing_seen_nearly_all_round_the_chord_is_its_other_side() {
-        let seen = along(&[(0.0, 0.0), (0.6, 0.0), (0.6, 0.4), (0.0, 0.4)]);
+        let seen = along(&[(0.0, 0.0), (0.6, 0.0), (0.6, 0.4), (0.0, 0.4)], -1.0);
         let (outline, _) = object_outline(&seen, false);
         assert!(outline.contains(Point::new(0.3, 0.2)), "{outline:?}");
         assert!((outline.area() - 0.24).abs() < 0.03, "{} m²", outline.area());

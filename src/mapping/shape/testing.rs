@@ -235,3 +235,20 @@ pub(super) fn compare_with(ring: &Ring, truth: &Ring, radius: f64) -> Error {
         iou: both / either,
     }
 }
+
+/// Contacts every 5 cm along `corners`, seen from their left for `side` 1, from their right for -1.
+pub(super) fn along(corners: &[(f64, f64)], side: f64) -> Vec<Contact> {
+    let corners: Vec<Point> = corners.iter().map(|&(x, y)| Point::new(x, y)).collect();
+    let mut contacts = Vec::new();
+    for two in corners.windows(2) {
+        let (way, count) = (two[1] - two[0], ((two[1] - two[0]).norm() / 0.05).round());
+        let off = perp(way).normalize() * (side * KEPT);
+        let begun = contacts.len() as f64;
+        contacts.extend((0..count as u32).map(|k| {
+            let point = two[0] + way * ((f64::from(k) + 0.5) / count);
+            let (from, time) = (point + off, begun + f64::from(k));
+            Contact { point, from, sensor: Some(2), kind: ContactKind::Range, time }
+        }));
+    }
+    contacts
+}

@@ -8,7 +8,8 @@
 //!
 //! 1. `geometry`: points, poses, rings of straight and circular pieces.
 //! 2. `robot`: what may be asked of a robot, what it reports, what its body is like.
-//! 3. `mapping`: the core, without I/O or clock. `mission` is the run as one state machine;
+//! 3. `mapping`: the core, without I/O or clock. `map` is what is known, as plain data, and what it owes of
+//!    its promise; `mission` is the run as one state machine;
 //!    `odometry` and `survey` (where the robot and the walls are, and how surely); `search` (III.C)
 //!    with `follow`, `ahead`, `wall`, `circuit` (with `drift`, the gyro's, and `lay`, one look laid on
 //!    another) and `adjust`; `retreat`, back by the way it came; `retrace`, a lap more that is averaged

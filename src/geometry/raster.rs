@@ -1,5 +1,6 @@
 //! A lattice of points over a piece of the plane: which of them lie inside outlines, which near to a segment
-//! (`stadium`), and how far each is from the nearest of many (`nearest`), exactly, whatever the pitch.
+//! (`stadium`), and how far each is from the nearest of many (`nearest`), to single precision whatever the
+//! pitch. Knows nothing of what the cells stand for.
 
 mod nearest;
 mod stadium;
@@ -103,6 +104,7 @@ impl Grid {
         let at = (p - self.origin) / self.cell;
         let split = |v: f64, most: usize| {
             let v = v.clamp(0.0, most as f64 - 1.0);
+            // By way of 32 bits, which machines convert in one instruction.
             let low = (v as u32 as usize).min(most.saturating_sub(2));
             (low, v - low as f64)
         };

@@ -26,6 +26,8 @@ use crate::robot::Chassis;
 const SAGITTA: f64 = 0.0003;
 /// Good enough for a raster, metres.
 const COARSE: f64 = 0.002;
+/// The raster holds single precision: what it says may be off by this, metres.
+const ROUNDED: f64 = 1e-5;
 /// Pitch of the raster, metres, for places up to about 100 m².
 const CELL: f64 = 0.03;
 /// Cells at most: larger places get a coarser raster, and the same time.
@@ -102,7 +104,7 @@ impl Floor {
         let (cell, off) = self.nearest_cell(p);
         let known = f64::from(self.wall[cell]);
         // The raster bounds the distance, so that one look is enough.
-        let distance = self.walls.distance_within(p, known.abs() + off + 1e-5);
+        let distance = self.walls.distance_within(p, known.abs() + off + ROUNDED);
         let within = if known.abs() > self.grid.cell {
             known > 0.0
         } else {
@@ -115,7 +117,7 @@ impl Floor {
     fn wall_bounds(&self, p: Point) -> (f64, f64) {
         let (cell, off) = self.nearest_cell(p);
         let known = f64::from(self.wall[cell]);
-        (known - off - 1e-5, known + off + 1e-5)
+        (known - off - ROUNDED, known + off + ROUNDED)
     }
 
     /// The cell nearest to `p`, and how far away it is, metres.
@@ -142,7 +144,7 @@ impl Floor {
         // Nothing is nearer than the raster says, and well off every outline its sign can be trusted.
         let (cell, off) = self.nearest_cell(p);
         let known = f64::from(self.free[cell]);
-        if known - off - 1e-5 > most {
+        if known - off - ROUNDED > most {
             return most;
         }
         let distance = self.objects.distance_within(p, most);

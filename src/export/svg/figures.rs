@@ -71,11 +71,8 @@ fn run(record: &RunRecord<'_>) -> String {
     let seconds: f64 = record.progress.iter().map(|phase| phase.seconds).sum();
     let travel: f64 = record.progress.iter().map(|phase| phase.travel).sum();
     let mut words = vec![outcome.to_owned()];
-    if record.outcome != Outcome::Complete {
+    if record.outcome != Outcome::Complete || record.map.shortfall().is_some() {
         words = vec![format!("{outcome}: {}", record.reason)];
-    }
-    if let Some(owed) = record.map.shortfall().filter(|_| record.outcome == Outcome::Complete) {
-        words = vec![format!("{outcome}, but {owed}")];
     }
     words.push(format!(
         "{travel:.1} m driven in {} min {:02} s",

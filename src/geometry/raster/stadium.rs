@@ -129,6 +129,7 @@ fn ceil(x: f64) -> i64 {
     cut + i64::from(x > cut as f64)
 }
 
+/// Like `f64::floor`, likewise.
 fn floor(x: f64) -> i64 {
     let cut = x as i64;
     cut - i64::from(x < cut as f64)

@@ -1,6 +1,7 @@
 //! Whether a map that is handed over keeps its promise: that nothing wider than α stands on the floor
 //! unseen. A run can come to its end and not keep it, where something it could not go round shut it in: then
-//! whoever takes the map is told, in one sentence and wherever the end of the run is told.
+//! whoever takes the map is told, in one sentence and wherever the end of the run is told. Reads the map
+//! alone: what is still to be driven, and why a line was given up, is for the tour.
 
 use super::{LineStatus, RoomMap};
 use std::fmt;
@@ -15,9 +16,9 @@ pub struct Shortfall {
     pub hidden: f64,
     /// α, metres.
     pub alpha: f64,
-    /// Lines of the plan, and how many of them were driven from end to end.
+    /// Lines of the plan.
     pub lines: usize,
-    /// See above.
+    /// How many of them were driven from end to end.
     pub driven: usize,
 }
 

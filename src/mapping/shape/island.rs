@@ -68,21 +68,16 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::along as seen_along;
+    use super::super::testing::along;
     use super::*;
-
-    /// Contacts along `corners`, the floor on the left.
-    fn along(corners: &[(f64, f64)]) -> Vec<Contact> {
-        seen_along(corners, 1.0)
-    }
 
     #[test]
     fn a_box_whose_gap_was_seen_from_both_sides_stands_apart() {
         // Along the lower wall to x = 2.1, round a box that stands 0.25 m off it, and on from x = 1.9.
-        let mut contacts = along(&[(0.0, 0.0), (2.1, 0.0)]);
+        let mut contacts = along(&[(0.0, 0.0), (2.1, 0.0)], 1.0);
         let around = [(2.0, 0.25), (1.7, 0.55), (2.0, 0.85), (2.3, 0.55), (2.0, 0.25)];
-        contacts.extend(along(&around));
-        contacts.extend(along(&[(1.9, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)]));
+        contacts.extend(along(&around, 1.0));
+        contacts.extend(along(&[(1.9, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)], 1.0));
         let apart = enclosed(&contacts).things;
         assert_eq!(apart.len(), 1, "{apart:?}");
         assert!(apart[0].iter().all(|c| c.point.y > 0.2 && c.point.y < 0.9));
@@ -92,7 +87,7 @@ mod tests {
     #[test]
     fn a_plain_room_has_nothing_in_it() {
         let walls = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)];
-        assert!(enclosed(&along(&walls)).things.is_empty());
+        assert!(enclosed(&along(&walls, 1.0)).things.is_empty());
         assert!(enclosed(&[]).things.is_empty());
     }
 }

@@ -337,12 +337,13 @@ impl Mission {
             tour.publish(&self.survey, &mut self.map);
             self.refine();
             tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
-            if let (Some(owed), Some(at)) = (self.map.shortfall(), self.map.hidden_at) {
-                self.tell(EventKind::StillHidden { diameter: owed.hidden, at }, out);
-            }
             self.tell_unreached(out);
             self.calibrate();
             self.tell_squared(out);
+            // Last of these, so that the smallest log still shows it beside the end.
+            if let (Some(owed), Some(at)) = (self.map.shortfall(), self.map.hidden_at) {
+                self.tell(EventKind::StillHidden { diameter: owed.hidden, at }, out);
+            }
             self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
             self.outcome = Outcome::Complete;
             self.tell(EventKind::Complete, out);

@@ -1,4 +1,5 @@
-//! Outlines of extrinsic objects, which the robot met from outside.
+//! Outlines of extrinsic objects, which the robot met from outside: fitted where it went all the way round,
+//! else drawn as far as it saw. Knows nothing of where else on the map a thing may stand.
 
 use super::classify::SHALLOW;
 use super::order;

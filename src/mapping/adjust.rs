@@ -15,7 +15,7 @@ use super::lay::{Overlap, Seen, about, lay};
 use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
-use super::survey::{Step, Survey, Tie};
+use super::survey::{Step, Survey, Tie, worse};
 use super::wall::{Sighting, Stretch, Wall};
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
@@ -186,6 +186,14 @@ impl Traverse {
             }
         }
         Self { survey, ends: ends.into_iter().map(|(from, to)| from.zip(to)).collect() }
+    }
+
+    /// One standard deviation of where the lap's end lies beside its beginning before any overlap, in its
+    /// worse direction, metres.
+    #[must_use]
+    pub fn looseness(&self) -> f64 {
+        let Some(Some((from, to))) = self.ends.last() else { return f64::INFINITY };
+        worse(&self.survey.relative(from, to).fixed_view::<2, 2>(0, 0).into_owned())
     }
 
     /// Information (inverse covariance) on the misclosure (dx, dy, heading) before any overlap, and

@@ -41,6 +41,11 @@ const FREE_POSITION: f64 = 0.02;
 /// takes small angles only.
 const SMALL: f64 = 0.02;
 
+/// A lap that may end this far from where it began for all that wheels and gyro know of it (one standard
+/// deviation, metres) is no better known than one whose drift is free: walls with pillars look alike
+/// every few metres.
+const LOOSE: f64 = 0.5;
+
 /// How far the robot drives beyond the end of a `lap` (metres) that it found without a drift, metres.
 fn free_overlap(lap: f64) -> f64 {
     (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
@@ -74,6 +79,17 @@ pub(super) struct Held {
     led: Led,
 }
 
+/// A candidate's end laid on its beginning.
+struct Laid {
+    closure: Closure,
+    overlap: Overlap,
+    /// Where the robot was then.
+    looked: Option<Placed>,
+    /// Where it ends is anybody's guess but for the overlap: a drift was found only with it, or the lap
+    /// was long.
+    free: bool,
+}
+
 /// What looking at a candidate says.
 pub(super) enum Verdict {
     Closed(Closure, Box<Overlap>),
@@ -91,11 +107,11 @@ impl Circuit {
         if driven <= candidate.overlap {
             return Verdict::More;
         }
-        let free = candidate.rate != 0.0;
         if candidate.held.is_some() {
             return self.look_on(index, driven, tracker);
         }
-        let (mut closure, mut overlap, looked) = self.laid(candidate, candidate.rate, tracker);
+        let Laid { mut closure, mut overlap, looked, free } =
+            self.laid(candidate, candidate.rate, tracker);
         let lap = closure.length();
         let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
         let all = driven > most.min(0.3 * lap);
@@ -125,7 +141,7 @@ impl Circuit {
         // In the middle of a mapped room nobody takes a drift out of all that was driven.
         if self.drifts.any() && left.abs() > SMALL && candidate.seconds > 0.0 {
             let rate = candidate.rate + left / candidate.seconds;
-            (closure, overlap, _) = self.laid(candidate, rate, tracker);
+            Laid { closure, overlap, .. } = self.laid(candidate, rate, tracker);
         }
         let led = Led::by(&overlap);
         overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
@@ -198,12 +214,7 @@ impl Circuit {
     }
 
     /// The lap without a drift of `rate`, its end laid on its beginning, and where the robot was then.
-    fn laid(
-        &self,
-        candidate: &Candidate,
-        rate: f64,
-        tracker: &Tracker,
-    ) -> (Closure, Overlap, Option<Placed>) {
+    fn laid(&self, candidate: &Candidate, rate: f64, tracker: &Tracker) -> Laid {
         let (unwound, seen) = self.unwound(rate, tracker);
         let (mut from, mut to) = candidate.wound;
         let mut path = tracker.path();
@@ -220,13 +231,13 @@ impl Circuit {
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         // Where any drift may be, what is driven on bends with it.
         let driven = tracker.travelled() - to.travelled;
-        let free = candidate.rate != 0.0;
+        let free = candidate.rate != 0.0 || traverse.looseness() > LOOSE;
         let beyond = if free { (driven - AS_ONE).max(0.0) } else { 0.0 };
         let led = candidate.looked.and_then(|looked| looked.led(&seen));
         let before = led.map(|led| Before { led, beyond });
         let overlap = measure(&closure, &seen, &traverse, before);
         let looked = Placed::last(&seen, Led::by(&overlap));
-        (closure, overlap, looked)
+        Laid { closure, overlap, looked, free }
     }
 
     /// The way of the robot, if there is any drift of `rate` to take out of it, and what it saw without

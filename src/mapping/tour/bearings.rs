@@ -21,6 +21,9 @@ const LOOSE: f64 = 0.025;
 /// ... and in the middle of a line, one less sure than this: rounds of what stands on it may have taken
 /// long.
 const LOOSE_ON_LINE: f64 = 0.05;
+/// ... and between two strides, one less sure than this: round something large, or across a hall, the way
+/// is long and what is met at its end has to be told from what is mapped.
+const LOOSE_UNDER_WAY: f64 = 0.10;
 /// The body stays this far from either wall, metres: within the range of every switch.
 const GAP: f64 = 0.04;
 /// Shorter walls are not trusted with it, metres.
@@ -171,6 +174,22 @@ impl Tour {
             self.feel_for = vec![wall];
             return Some(Drive { purpose: Purpose::Bearings, ..Drive::new(0, along, along) });
         }
+        let loose = if self.suspended.is_some() { LOOSE_ON_LINE } else { LOOSE };
+        self.bearings_if(loose, scene)
+    }
+
+    /// The same in the middle of a way on which that was done `stops` times. Each time asks for more: where
+    /// the way back from the walls is what makes the robot unsure, it would do nothing else.
+    pub(super) fn bearings_under_way(
+        &mut self,
+        stops: u32,
+        scene: &mut Scene<'_>,
+    ) -> Option<Drive> {
+        self.bearings_if(LOOSE_UNDER_WAY * f64::from(stops + 1), scene)
+    }
+
+    /// A drive to where bearings are taken, when the position is less sure than `loose`.
+    fn bearings_if(&mut self, loose: f64, scene: &mut Scene<'_>) -> Option<Drive> {
         let at = scene.rest.pose.position;
         let driven = scene.tracker.travelled() - self.bearings_at;
         if driven < BETWEEN {
@@ -178,7 +197,7 @@ impl Tour {
         }
         let spread = self.chart.spread(scene.survey, scene.tracker.pose().position);
         let sd = worse(&spread);
-        if sd < if self.suspended.is_some() { LOOSE_ON_LINE } else { LOOSE } {
+        if sd < loose {
             return None;
         }
         let radius = self.chassis.radius;

@@ -39,6 +39,8 @@ pub(super) struct Drive {
     pub(super) bumps: u32,
     /// Rounds on this line that could not be closed.
     pub(super) left_open: u32,
+    /// How often bearings were taken in the middle of it.
+    pub(super) stops: u32,
     pub(super) skipped: bool,
     pub(super) way: VecDeque<Point>,
     /// The same line again from the other end: an object was met (two-pass contour).
@@ -59,6 +61,7 @@ impl Drive {
             piece_end: 0.0,
             bumps: 0,
             left_open: 0,
+            stops: 0,
             skipped: false,
             way: VecDeque::new(),
             again: false,

@@ -60,6 +60,16 @@ impl Tour {
             }
             _ => {}
         }
+        if reason == Some(DoneReason::Complete)
+            && drive.purpose == Purpose::Line
+            && let Some(bearings) = self.bearings_under_way(drive.stops, scene)
+        {
+            drive.stops += 1;
+            drive.way.clear();
+            self.suspended = Some(drive);
+            self.doing = Doing::Driving(Box::new(bearings));
+            return None;
+        }
         if drive.way.is_empty() && !self.plan_piece(&mut drive, scene.rest.pose.position) {
             match drive.purpose {
                 Purpose::Line => {}

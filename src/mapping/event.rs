@@ -281,6 +281,14 @@ pub enum EventKind {
     },
     /// The robot is not where it was believed to be any more: it was carried, or started anew.
     Carried,
+    /// What the robot met cannot be where it believes it is: the body has been there, or the room does not
+    /// reach that far.
+    Astray {
+        /// Where it believed it was.
+        at: Point,
+    },
+    /// Its place was not found by what is there: it goes on where it believes it is.
+    StillAstray,
     /// With no boundary to know the place by, the lap begins anew; this many objects are dropped.
     BegunAnew {
         /// Objects that were found before.

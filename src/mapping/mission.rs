@@ -65,8 +65,10 @@ enum Task {
 struct Lost {
     /// Place of the trajectory from which on that is so.
     since: usize,
-    /// The operator said about where it is.
+    /// About where it is is known: the operator said so, or it was not carried.
     told: bool,
+    /// It found out by itself, by what it met.
+    doubts: bool,
     /// Nothing more can be done without the operator's word.
     waits: bool,
 }

@@ -12,6 +12,7 @@ use super::map::{ContactKind, RoomMap};
 use super::odometry::Tracker;
 use super::search::{Next, Search};
 use super::settings::Settings;
+use super::tour::Astray;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Pose, Ring, angle};
 use recognise::{Landmarks, Place, Seen};
@@ -73,6 +74,14 @@ impl Relocation {
             seen: RoomMap::default(),
             begun: tracker.travelled(),
         }
+    }
+
+    /// The same for a robot that is about where it believes it is, beside what it followed last.
+    #[must_use]
+    pub fn beside(self, settings: &Settings, astray: Astray) -> Self {
+        let Astray { side, wall } = astray;
+        let search = Search::relocating_beside(settings, self.from, side, wall);
+        Self { search: Box::new(search), ..self }
     }
 
     /// The contacts that are being collected.

@@ -101,6 +101,14 @@ impl Search {
         Self { any_drift: false, ..Self::new(settings, from) }
     }
 
+    /// The same by a robot that follows something already, with what it saw of it.
+    #[must_use]
+    pub fn relocating_beside(settings: &Settings, from: Pose, side: Side, wall: Wall) -> Self {
+        let circuit = Circuit::new(&settings.chassis, side, wall, OVERLAP);
+        let doing = Doing::Lapping(Box::new(circuit));
+        Self { doing, ..Self::relocating(settings, from) }
+    }
+
     /// Laps closed so far.
     #[must_use]
     pub fn laps(&self) -> u32 {

@@ -8,6 +8,7 @@
 //! come the ties: objects that are not known well enough are measured from what they stand beside.
 
 mod bearings;
+mod doubt;
 mod drive;
 mod line;
 mod no_passage;
@@ -29,6 +30,7 @@ use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, Vector};
 use crate::robot::Chassis;
 use bearings::Feeling;
+pub use doubt::Astray;
 use drive::{Drive, Purpose, best_chord};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
@@ -113,6 +115,20 @@ pub struct Tour {
     shut_in: Vec<Point>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
+    /// Where something was met that could not be there, and what of it was not yet handed out.
+    doubted: Vec<Point>,
+    astray: Option<Box<Astray>>,
+}
+
+/// What comes next.
+#[derive(Debug)]
+pub enum Turn {
+    /// A motion.
+    Go(Ask),
+    /// The robot is not where it believes it is.
+    Astray(Box<Astray>),
+    /// The tour is over.
+    Over,
 }
 
 impl Tour {
@@ -151,6 +167,8 @@ impl Tour {
             tied: Vec::new(),
             shut_in: Vec::new(),
             fixed_by: None,
+            doubted: Vec::new(),
+            astray: None,
         }
     }
 
@@ -220,13 +238,24 @@ impl Tour {
         self.floor.get_or_insert_with(|| Floor::new(outline, &objects, &self.chassis, from))
     }
 
-    /// The robot came to rest: the next motion; none when the tour is over.
-    pub fn next(&mut self, scene: &mut Scene<'_>) -> Option<Ask> {
+    /// The robot came to rest: what next?
+    pub fn next(&mut self, scene: &mut Scene<'_>) -> Turn {
+        match self.decide(scene) {
+            Some(ask) => Turn::Go(ask),
+            None => self.astray.take().map_or(Turn::Over, Turn::Astray),
+        }
+    }
+
+    /// The next motion; none when the tour is over, or the robot astray.
+    fn decide(&mut self, scene: &mut Scene<'_>) -> Option<Ask> {
         let mut reason = Some(scene.rest.reason);
         let mut undecided = 0;
         loop {
             // What is believed may have been corrected since the robot came to rest.
             scene.rest.pose = scene.tracker.pose();
+            if self.astray.is_some() {
+                return None;
+            }
             undecided += 1;
             if undecided > MOST_UNDECIDED {
                 self.give_up(scene);

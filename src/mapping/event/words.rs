@@ -164,6 +164,15 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         EventKind::Carried => {
             f.write_str("the robot is no longer where it was: its place has to be found again")
         }
+        EventKind::Astray { at } => write!(
+            f,
+            "nothing can be here, where the robot has been or the room ends: it may not be at \
+             ({:.2}, {:.2}), and looks for its place",
+            at.x, at.y
+        ),
+        EventKind::StillAstray => f.write_str(
+            "its place is not to be told from what is here: it goes on where it believes it is",
+        ),
         EventKind::BegunAnew { dropped: 0 } => f.write_str("the lap begins anew from here"),
         EventKind::BegunAnew { dropped } => {
             write!(f, "the lap begins anew from here; objects found before are dropped: {dropped}")
@@ -293,6 +302,8 @@ impl fmt::Display for EventKind {
             | Self::ObjectOpen { .. } => objects(f, self),
             Self::Recognised { object, off } => recognised(f, *object, *off),
             Self::Carried
+            | Self::Astray { .. }
+            | Self::StillAstray
             | Self::BegunAnew { .. }
             | Self::PlaceFound { .. }
             | Self::PlaceNeeded
@@ -339,6 +350,8 @@ impl EventKind {
             | Self::Recognised { .. }
             | Self::StillHidden { .. }
             | Self::Carried
+            | Self::Astray { .. }
+            | Self::StillAstray
             | Self::PlaceNeeded
             | Self::PlaceUnclear { .. }
             | Self::SwitchDoubted { .. }

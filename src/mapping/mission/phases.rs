@@ -17,7 +17,7 @@ use crate::mapping::search::{Next, Search, lap_contacts};
 use crate::mapping::shape::{self, Enclosed};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
-use crate::mapping::tour::{Scene, Tour};
+use crate::mapping::tour::{Scene, Tour, Turn};
 use crate::mapping::unreached::{Unreached, unreached};
 
 /// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
@@ -330,24 +330,31 @@ impl Mission {
         for kind in told {
             self.tell(kind, out);
         }
-        if let Some(ask) = next {
-            self.task = Task::Tour(tour);
-            self.order(&ask, out);
-        } else {
-            tour.publish(&self.survey, &mut self.map);
-            self.refine();
-            tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
-            self.tell_unreached(out);
-            self.calibrate();
-            self.tell_squared(out);
-            // Last of these, so that the smallest log still shows it beside the end.
-            if let (Some(owed), Some(at)) = (self.map.shortfall(), self.map.hidden_at) {
-                self.tell(EventKind::StillHidden { diameter: owed.hidden, at }, out);
+        match next {
+            Turn::Go(ask) => {
+                self.task = Task::Tour(tour);
+                self.order(&ask, out);
             }
-            self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
-            self.outcome = Outcome::Complete;
-            self.tell(EventKind::Complete, out);
+            Turn::Astray(astray) => self.go_astray(tour, *astray, out),
+            Turn::Over => self.end_tour(tour, out),
         }
+    }
+
+    /// The last line is driven: the map is handed over.
+    fn end_tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
+        tour.publish(&self.survey, &mut self.map);
+        self.refine();
+        tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
+        self.tell_unreached(out);
+        self.calibrate();
+        self.tell_squared(out);
+        // Last of these, so that the smallest log still shows it beside the end.
+        if let (Some(owed), Some(at)) = (self.map.shortfall(), self.map.hidden_at) {
+            self.tell(EventKind::StillHidden { diameter: owed.hidden, at }, out);
+        }
+        self.tell(EventKind::PhaseEnded { phase: Phase::Objects }, out);
+        self.outcome = Outcome::Complete;
+        self.tell(EventKind::Complete, out);
     }
 
     /// Looks for floor that the robot does not get to, and tells of it.

@@ -7,7 +7,7 @@ use crate::mapping::event::EventKind;
 use crate::mapping::relocate::recognise::Place;
 use crate::mapping::relocate::{Relocation, Seek};
 use crate::mapping::search::Search;
-use crate::mapping::tour::Tour;
+use crate::mapping::tour::{Astray, Tour};
 use crate::robot::DoneReason;
 
 /// The pose is never surer than this beside the walls it was found by, metres and radians: they are
@@ -70,18 +70,30 @@ impl Mission {
 
     fn lose(&mut self, told: bool) {
         let since = self.lost.map_or(self.tracker.path().len(), |lost| lost.since);
-        self.lost = Some(Lost { since, told, waits: false });
+        self.lost = Some(Lost { since, told, doubts: false, waits: false });
+    }
+
+    /// What the robot met cannot be where it believes it is: it looks for its place, from beside that.
+    pub(super) fn go_astray(&mut self, tour: Box<Tour>, astray: Astray, out: &mut Vec<Output>) {
+        self.tell(EventKind::Astray { at: self.tracker.pose().position }, out);
+        let since = self.tracker.path().len();
+        self.lost = Some(Lost { since, told: true, doubts: true, waits: false });
+        let relocation = self.relocation(&tour).beside(&self.settings, astray);
+        self.relocate(Box::new(relocation), tour, out);
     }
 
     pub(super) fn begin_relocating(&mut self, tour: Box<Tour>, out: &mut Vec<Output>) {
+        let relocation = self.relocation(&tour);
+        self.relocate(Box::new(relocation), tour, out);
+    }
+
+    fn relocation(&self, tour: &Tour) -> Relocation {
         let told = self.lost.is_some_and(|lost| lost.told);
         let chart = tour.chart();
         let closed = self.map.objects.iter().zip(chart.objects());
         let objects: Vec<Ring> =
             closed.filter(|(object, _)| object.closed).map(|(_, ring)| ring.clone()).collect();
-        let relocation =
-            Relocation::new(&self.settings, chart.outline(), objects, &self.tracker, told);
-        self.relocate(Box::new(relocation), tour, out);
+        Relocation::new(&self.settings, chart.outline(), objects, &self.tracker, told)
     }
 
     pub(super) fn relocate(
@@ -107,6 +119,11 @@ impl Mission {
                 self.task = Task::Tour(tour);
                 let at = self.tracker.pose().position;
                 self.tell(EventKind::PlaceFound { at, driven }, out);
+            }
+            Seek::Unclear(_) if self.lost.is_some_and(|lost| lost.doubts) => {
+                self.lost = None;
+                self.task = Task::Tour(tour);
+                self.tell(EventKind::StillAstray, out);
             }
             Seek::Unclear(places) => {
                 self.task = Task::Tour(tour);

@@ -9,7 +9,7 @@ use crate::mapping::follow::{Ask, Side};
 use crate::mapping::map::{Contact, MappedObject};
 use crate::mapping::shape::{KNOWN, things};
 use crate::mapping::survey::Hung;
-use crate::mapping::wall::{Sighting, Wall};
+use crate::mapping::wall::Sighting;
 use crate::robot::Chassis;
 
 /// So many contacts of the boundary in a row, and it is the boundary that is followed.
@@ -122,12 +122,8 @@ impl Tour {
 impl Round {
     /// Begins the round anew the other way, beside what is near.
     fn turn_back(&mut self, chassis: &Chassis, reversed: Reversed) {
-        let mut wall = Wall::new(chassis);
-        for seen in self.circuit.wall.near() {
-            wall.adopt(*seen);
-        }
-        let side = self.circuit.side().other();
-        let anew = Self::new(chassis, side, wall, self.drive.clone(), self.id);
+        let (side, wall) = self.beside(chassis);
+        let anew = Self::new(chassis, side.other(), wall, self.drive.clone(), self.id);
         *self = Self { reversed: Some(reversed), compared: self.compared, ..anew };
     }
 }

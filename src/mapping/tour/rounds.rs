@@ -42,12 +42,16 @@ impl Tour {
         scene: &mut Scene<'_>,
     ) -> Option<Ask> {
         let id = scene.map.objects.len() as u32 + 1;
-        scene.tell.push(EventKind::ObjectFound { id, by });
         // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
         let side = if bearing > 0.1 { Side::Left } else { Side::Right };
         drive.way.clear();
         let mut wall = Wall::new(&self.chassis);
         wall.adopt(seen);
+        if self.cannot_be_at(seen.point, scene) {
+            self.go_astray(seen.point, drive, (side, wall), scene);
+            return None;
+        }
+        scene.tell.push(EventKind::ObjectFound { id, by });
         if self.contour == Contour::TwoPass {
             let half = self.take_half(&drive);
             let side = half.as_ref().map_or(side, |half| half.side);
@@ -103,6 +107,14 @@ impl Tour {
                 }
                 let wall = &round.circuit.wall;
                 let found = lap_things(wall, &closure, &adjustment, contacts, &self.chassis);
+                if self.cannot_be(&found, scene) {
+                    let at = found
+                        .first()
+                        .map_or(closure.from.pose.position, |thing| thing.outline.middle());
+                    let again = round.beside(&self.chassis);
+                    self.go_astray(at, round.drive, again, scene);
+                    return None;
+                }
                 self.record_round(found, &hung, scene);
                 self.resume(round.drive);
                 None
@@ -281,6 +293,15 @@ impl Round {
             back: None,
             reversed: None,
         }
+    }
+
+    /// On which hand it follows what, with what is near.
+    pub(super) fn beside(&self, chassis: &Chassis) -> (Side, Wall) {
+        let mut wall = Wall::new(chassis);
+        for seen in self.circuit.wall.near() {
+            wall.adopt(*seen);
+        }
+        (self.circuit.side(), wall)
     }
 
     /// The line it interrupted.

@@ -105,6 +105,11 @@ impl Chart {
         self.rings.push(Charted::new(&object.outline, &object.contacts, hung));
     }
 
+    /// Takes the object at place `index` of the map away again.
+    pub fn remove(&mut self, index: usize) {
+        self.rings.remove(index + 1);
+    }
+
     /// The wall line as believed now.
     #[must_use]
     pub fn outline(&self) -> &Ring {

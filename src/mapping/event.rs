@@ -287,6 +287,11 @@ pub enum EventKind {
         /// Where it believed it was.
         at: Point,
     },
+    /// An object that was mapped while the robot was astray is not there.
+    ObjectRefuted {
+        /// Its number.
+        id: u32,
+    },
     /// Its place was not found by what is there: it goes on where it believes it is.
     StillAstray,
     /// With no boundary to know the place by, the lap begins anew; this many objects are dropped.

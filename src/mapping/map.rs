@@ -320,6 +320,12 @@ pub fn stretches(path: &[PathPoint]) -> impl Iterator<Item = &[PathPoint]> {
 }
 
 impl RoomMap {
+    /// The number of the next object.
+    #[must_use]
+    pub fn next_id(&self) -> u32 {
+        self.objects.last().map_or(0, |object| object.id) + 1
+    }
+
     /// The map with its nearly right angles right, if it has any.
     #[must_use]
     pub fn squared(mut self) -> Self {

@@ -352,7 +352,7 @@ impl Search {
         }
         let found = lap_things(&self.wall, closure, &adjustment, contacts, &self.chassis);
         for (n, thing) in found.into_iter().enumerate() {
-            let object = thing.numbered(map.objects.len() as u32 + 1);
+            let object = thing.numbered(map.next_id());
             let id = object.id;
             map.objects.push(object);
             tell.push(EventKind::gone_round(id, n == 0));

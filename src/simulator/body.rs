@@ -104,6 +104,12 @@ impl Body {
         self.bumps
     }
 
+    /// Somebody pushes the robot to `pose`: neither wheels nor gyro tell of it.
+    #[cfg(test)]
+    pub(crate) fn push(&mut self, pose: Pose) {
+        self.pose = pose;
+    }
+
     /// Lets `seconds` of virtual time pass at the speed that was set.
     pub fn step(&mut self, seconds: f64) {
         let micros = (seconds * 1e6).round() as u64;

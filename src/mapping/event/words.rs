@@ -219,6 +219,9 @@ fn objects(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         EventKind::ObjectBehind { id } => {
             write!(f, "object O{id} seen from wall to wall; the gap behind it is too narrow")
         }
+        EventKind::ObjectRefuted { id } => {
+            write!(f, "object O{id} is not there: it was mapped while the robot was astray")
+        }
         EventKind::ObjectOpen { id, why } => write!(f, "object O{id} left open: {why}"),
         _ => Ok(()),
     }
@@ -299,6 +302,7 @@ impl fmt::Display for EventKind {
             | Self::ObjectApart { .. }
             | Self::TurnedBack { .. }
             | Self::ObjectBehind { .. }
+            | Self::ObjectRefuted { .. }
             | Self::ObjectOpen { .. } => objects(f, self),
             Self::Recognised { object, off } => recognised(f, *object, *off),
             Self::Carried

@@ -243,7 +243,7 @@ impl Mission {
         }
         self.map.contacts = wall;
         for contacts in things {
-            let id = self.map.objects.len() as u32 + 1;
+            let id = self.map.next_id();
             let (outline, class) = shape::object_outline(&contacts, true);
             self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
             self.tell(EventKind::ObjectApart { id }, out);
@@ -272,7 +272,7 @@ impl Mission {
         let chassis = &self.settings.chassis;
         let (rest, islands) = shape::islands(outline, &self.map.contacts, chassis);
         for ring in islands {
-            let id = self.map.objects.len() as u32 + 1;
+            let id = self.map.next_id();
             let all = std::mem::take(&mut self.map.contacts);
             let (contacts, walls) =
                 all.into_iter().partition(|c| ring.distance(c.point) < rest.distance(c.point));

@@ -6,17 +6,26 @@
 
 use super::{Doing, Drive, Scene, Tour};
 use crate::geometry::{Point, Ring};
+use crate::mapping::event::EventKind;
 use crate::mapping::follow::Side;
-use crate::mapping::map::PathPoint;
+use crate::mapping::map::{Contact, PathPoint};
 use crate::mapping::shape::Thing;
 use crate::mapping::wall::Wall;
 
-/// Path and contacts err together by no more than this, metres: what lies deeper than it in where the body
-/// has been is not there.
+/// Path and contacts err together by no more than this, metres, where the pose is known well: what lies
+/// deeper than it in where the body has been is not there.
 const ERRS: f64 = 0.04;
+/// Elsewhere they err by so many standard deviations of the pose.
+const DEVIATIONS: f64 = 2.5;
+/// The far side of something gone round errs by so much more of the way round it.
+const LED_ROUND: f64 = 0.004;
+/// Outlines are looked at every so often, metres.
+const STEP: f64 = 0.05;
 /// Nearer to a place where the robot was in doubt before it is not so again, metres: what is met there
 /// has moved, or is new.
 const SAME_PLACE: f64 = 0.6;
+/// So many contacts may lie anywhere.
+const STRAYS: usize = 3;
 /// Doubts at most, so that a tour always ends.
 const MOST_DOUBTS: usize = 24;
 
@@ -29,42 +38,87 @@ pub struct Astray {
     pub wall: Wall,
 }
 
-/// Whether the body, of this `radius`, has been where `p` is.
+/// Whether `p` is nearer than `radius` to where the body has been.
 fn has_been(path: &[PathPoint], radius: f64, p: Point) -> bool {
-    path.iter().any(|place| (place.pose.position - p).norm() < radius - ERRS)
+    path.iter().any(|place| (place.pose.position - p).norm() < radius)
 }
 
-/// Whether any of `points` lies within `ring`, and not only at its edge.
-fn holds(ring: &Ring, points: impl IntoIterator<Item = Point>) -> bool {
-    let deep = |p: &Point| ring.contains(*p) && ring.distance(*p) > ERRS;
+/// Whether any of `points` lies within `ring`, deeper than `depth`.
+fn holds(ring: &Ring, depth: f64, points: impl IntoIterator<Item = Point>) -> bool {
+    let deep = |p: &Point| ring.contains(*p) && ring.distance(*p) > depth;
     points.into_iter().any(|p| deep(&p))
 }
 
+/// Places on a ring, no farther apart than the step.
+fn edge(ring: &Ring) -> impl Iterator<Item = Point> {
+    ring.pieces.iter().flat_map(|piece| {
+        let count = (piece.length() / STEP).ceil().max(1.0);
+        (0..count as u32).map(move |k| piece.at(f64::from(k) / count))
+    })
+}
+
+/// Whether two rings share more than an edge of this `depth`.
+fn overlap(a: &Ring, b: &Ring, depth: f64) -> bool {
+    holds(a, depth, edge(b)) || holds(b, depth, edge(a))
+}
+
 impl Tour {
+    /// By how much path and contacts may be off each other at `p`, metres.
+    fn errs_by(&self, p: Point, scene: &Scene<'_>) -> f64 {
+        ERRS.max(DEVIATIONS * self.chart.looseness(scene.survey, p))
+    }
+
     /// Whether a thing cannot be where it was met.
     pub(super) fn cannot_be_at(&self, p: Point, scene: &Scene<'_>) -> bool {
-        !self.was_doubted(p)
-            && (!self.chart.outline().contains(p)
-                || has_been(scene.tracker.path(), self.chassis.radius, p))
+        if self.was_doubted(p) {
+            return false;
+        }
+        let (errs, outline) = (self.errs_by(p, scene), self.chart.outline());
+        (!outline.contains(p) && outline.distance(p) > errs)
+            || has_been(scene.tracker.path(), self.chassis.radius - errs, p)
     }
 
     /// Whether one of the things that were gone round cannot be where they seem to be.
     pub(super) fn cannot_be(&self, found: &[Thing], scene: &Scene<'_>) -> bool {
-        let corners =
-            |ring: &Ring| ring.pieces.iter().map(|piece| piece.from()).collect::<Vec<_>>();
+        let outline = self.chart.outline();
         found.iter().any(|thing| {
             let ring = &thing.outline;
+            let errs = self.errs_by(ring.middle(), scene) + LED_ROUND * ring.perimeter();
             let been = scene.tracker.path().iter().map(|place| place.pose.position);
-            let into = |other: &Ring| holds(ring, corners(other)) || holds(other, corners(ring));
-            let outside = |p: &Point| {
-                let outline = self.chart.outline();
-                !outline.contains(*p) && outline.distance(*p) > ERRS
-            };
+            let outside = |p: Point| !outline.contains(p) && outline.distance(p) > errs;
             !self.was_doubted(ring.middle())
-                && (holds(ring, been)
-                    || self.chart.objects().any(into)
-                    || corners(ring).iter().any(outside))
+                && (holds(ring, errs, been)
+                    || self.chart.objects().any(|other| overlap(ring, other, errs))
+                    || edge(ring).any(outside))
         })
+    }
+
+    /// Takes away again what was mapped while the robot was astray. Things that were doubted before, and gone
+    /// round once more `since` (robot time, microseconds) from a place that was found anew, are where they are:
+    /// what reaches into them, or stands where the robot went round them, is not.
+    pub(super) fn refute(&mut self, found: &[Thing], since: u64, scene: &mut Scene<'_>) {
+        if !found.iter().any(|thing| self.was_doubted(thing.outline.middle())) {
+            return;
+        }
+        let path = scene.tracker.path();
+        let round = &path[path.partition_point(|place| place.time_us < since)..];
+        let refuted = |ring: &Ring| {
+            holds(ring, ERRS, round.iter().map(|place| place.pose.position))
+                || found.iter().any(|thing| overlap(ring, &thing.outline, ERRS))
+        };
+        let wrong: Vec<bool> = self.chart.objects().map(refuted).collect();
+        for index in (0..wrong.len()).rev().filter(|index| wrong[*index]) {
+            self.chart.remove(index);
+            let id = scene.map.objects.remove(index).id;
+            scene.tell.push(EventKind::ObjectRefuted { id });
+        }
+    }
+
+    /// Where one of the contacts lies of something that cannot be there, if it is more than a few that cannot.
+    pub(super) fn cannot_be_there(&self, seen: &[Contact], scene: &Scene<'_>) -> Option<Point> {
+        let mut impossible =
+            seen.iter().map(|contact| contact.point).filter(|p| self.cannot_be_at(*p, scene));
+        impossible.nth(STRAYS)
     }
 
     fn was_doubted(&self, p: Point) -> bool {
@@ -105,9 +159,9 @@ mod tests {
             carried: false,
         };
         let path: Vec<PathPoint> = (0..100).map(place).collect();
-        assert!(has_been(&path, 0.1, Point::new(0.5, 0.04)));
-        assert!(!has_been(&path, 0.1, Point::new(0.5, 0.09)), "the body and its errors end here");
-        assert!(!has_been(&path, 0.1, Point::new(1.2, 0.0)));
+        assert!(has_been(&path, 0.06, Point::new(0.5, 0.04)));
+        assert!(!has_been(&path, 0.06, Point::new(0.5, 0.09)));
+        assert!(!has_been(&path, 0.06, Point::new(1.2, 0.0)));
     }
 
     #[test]
@@ -115,7 +169,7 @@ mod tests {
         let square: Vec<Point> =
             [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)].map(|(x, y)| Point::new(x, y)).into();
         let ring = Ring::polygon(&square);
-        assert!(holds(&ring, [Point::new(2.0, 0.5), Point::new(0.5, 0.9)]));
-        assert!(!holds(&ring, [Point::new(0.5, 0.98), Point::new(0.5, 1.2)]));
+        assert!(holds(&ring, 0.04, [Point::new(2.0, 0.5), Point::new(0.5, 0.9)]));
+        assert!(!holds(&ring, 0.04, [Point::new(0.5, 0.98), Point::new(0.5, 1.2)]));
     }
 }

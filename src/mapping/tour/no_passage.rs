@@ -93,7 +93,7 @@ impl Tour {
             return self.go_on(round.drive, scene);
         }
         for thing in things(contacts, &self.chassis) {
-            let id = scene.map.objects.len() as u32 + 1;
+            let id = scene.map.next_id();
             self.record(
                 MappedObject { closed: false, ..thing.numbered(id) },
                 Hung::Once(tie),

@@ -77,7 +77,8 @@ impl Tour {
         laid.close(scene.survey, &tie, &begun, at);
         scene.tracker.correct(scene.survey.take_pose(scene.tracker.pose()));
         let off = angle::hypot(laid.misclosure.dx, laid.misclosure.dy);
-        let object = index.checked_sub(1).map(|k| k as u32 + 1);
+        let object =
+            index.checked_sub(1).and_then(|k| scene.map.objects.get(k)).map(|known| known.id);
         scene.tell.push(EventKind::Recognised { object, off });
         true
     }

@@ -41,7 +41,7 @@ impl Tour {
         by: String,
         scene: &mut Scene<'_>,
     ) -> Option<Ask> {
-        let id = scene.map.objects.len() as u32 + 1;
+        let id = scene.map.next_id();
         // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
         let side = if bearing > 0.1 { Side::Left } else { Side::Right };
         drive.way.clear();
@@ -115,6 +115,7 @@ impl Tour {
                     self.go_astray(at, round.drive, again, scene);
                     return None;
                 }
+                self.refute(&found, since, scene);
                 self.record_round(found, &hung, scene);
                 self.resume(round.drive);
                 None
@@ -137,6 +138,11 @@ impl Tour {
     ) -> Option<Ask> {
         let off = round.circuit.wall.surfaces().filter(|seen| self.is_off_boundary(seen, KNOWN));
         let contacts: Vec<Contact> = off.map(Sighting::contact).collect();
+        if let Some(at) = self.cannot_be_there(&contacts, scene) {
+            let again = round.beside(&self.chassis);
+            self.go_astray(at, round.drive, again, scene);
+            return None;
+        }
         scene.tell.push(EventKind::ObjectOpen { id: round.id, why });
         if contacts.len() >= 3 {
             let (outline, _) = object_outline(&contacts, false);
@@ -173,7 +179,7 @@ impl Tour {
         let fresh: Vec<Thing> =
             found.into_iter().filter(|thing| !self.is_known(&thing.contacts)).collect();
         for (n, thing) in fresh.into_iter().enumerate() {
-            let id = scene.map.objects.len() as u32 + 1;
+            let id = scene.map.next_id();
             self.record(thing.numbered(id), hung.clone(), scene);
             scene.tell.push(EventKind::gone_round(id, n == 0));
         }
@@ -215,7 +221,7 @@ impl Tour {
     /// Past an object on one side (two-pass contour). The first pass leaves half of it open, and
     /// the line is driven again from its end; the second closes it.
     pub(super) fn pass(&mut self, mut pass: Pass, scene: &mut Scene<'_>) -> Option<Ask> {
-        let id = scene.map.objects.len() as u32 + 1;
+        let id = scene.map.next_id();
         match pass.passing.next(scene.tracker, &scene.rest) {
             Way::Leg(Leg::Go(ask)) => {
                 let Pass { passing, drive, half } = pass;

@@ -68,6 +68,39 @@ fn a_robot_carried_elsewhere_finds_its_place_and_ends_its_tour() {
     }
 }
 
+/// The robot is pushed a third of a metre aside to where it stands free, and turned a little; nobody tells.
+fn push(rig: &mut Rig, world: &World, way: f64) {
+    use crate::geometry::{Ring, angle};
+    let pose = rig.body.true_pose();
+    let rings = || std::iter::once(&world.boundary).chain(world.objects.iter().map(|o| &o.ring));
+    let room =
+        |p: crate::geometry::Point| rings().map(|r: &Ring| r.distance(p)).fold(9.0, f64::min);
+    let to = (0..12)
+        .map(|k| pose.position + angle::unit(way + f64::from(k) * 0.5) * 0.35)
+        .find(|p| world.boundary.contains(*p) && room(*p) > 0.2)
+        .expect("room beside it");
+    rig.body.push(Pose { position: to, heading: pose.heading + 0.12 });
+}
+
+#[test]
+fn a_robot_that_was_pushed_finds_out_and_maps_nothing_twice() {
+    let world = l_room();
+    for (trial, way) in [0.3, 1.9, 3.5, 5.1].into_iter().enumerate() {
+        let mut rig =
+            rig_in(&world, NoiseProfile::None, Faults::default(), trial as u64, (true, None));
+        assert!(rig.until(2000.0, is_touring));
+        push(&mut rig, &world, way);
+        assert!(off(&rig) > 0.3);
+        assert!(rig.until(6000.0, |rig| rig.run.ending().is_some()));
+        let ending = rig.run.ending().expect("an ending");
+        assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+        assert!(off(&rig) < 0.03, "{way}: {} m off at the end", off(&rig));
+        let map = rig.run.session().expect("a session").mission().map();
+        let objects: Vec<_> = map.objects.iter().map(|o| (o.class, o.outline.middle())).collect();
+        assert_eq!(objects.len(), 1, "{way}: the crate, and nothing twice: {objects:?}");
+    }
+}
+
 #[test]
 fn where_two_places_look_the_same_the_robot_asks() {
     let text = include_str!("../../../../sims/rectangle.toml");

@@ -37,6 +37,8 @@ const TOUCH_SIGMA: f64 = 0.004;
 const LEAST_SIGMA: f64 = 0.0004;
 /// No noise is believed to be above this, metres.
 const MOST_SIGMA: f64 = 0.004;
+/// This share of the contacts was made from within the outline, at least.
+const WITHIN: f64 = 0.95;
 /// Neighbours nearer than this are one contact, metres.
 const TOGETHER: f64 = 0.002;
 
@@ -59,10 +61,19 @@ pub(crate) struct Sample {
 /// bent by `give` metres: so far the gyro may have led the lap astray.
 ///
 /// # Errors
-/// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
+/// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline in which they
+/// can have been made.
 pub fn outline(contacts: &[Contact], reach: f64, give: f64) -> Result<Ring, Failure> {
     let ring = fitted(contacts, reach, give).map(Ring::counter_clockwise);
+    let ring = ring.filter(|ring| holds(ring, contacts));
     ring.map_or_else(|| joined(contacts, reach), Ok)
+}
+
+/// Whether the robot was within `ring` when it made the `contacts`: a lap that has laid two walls through
+/// each other can be untangled into a simple outline of another room.
+fn holds(ring: &Ring, contacts: &[Contact]) -> bool {
+    let within = contacts.iter().filter(|contact| ring.contains(contact.from)).count();
+    within as f64 >= WITHIN * contacts.len() as f64
 }
 
 /// The same without a fit: the contacts themselves, joined in order and untangled.
@@ -70,7 +81,8 @@ pub fn outline(contacts: &[Contact], reach: f64, give: f64) -> Result<Ring, Fail
 /// # Errors
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
 pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
-    chain::outline(contacts, reach).map(Ring::counter_clockwise).ok_or(Failure::OutlineBroken)
+    let ring = chain::outline(contacts, reach).map(Ring::counter_clockwise);
+    ring.filter(|ring| holds(ring, contacts)).ok_or(Failure::OutlineBroken)
 }
 
 /// `outline` without the crossings that corrections of its corners may have made; as it is where they

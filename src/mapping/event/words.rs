@@ -12,7 +12,10 @@ impl fmt::Display for Failure {
             Self::LapEndless => "the lap goes on without closing",
             Self::NoBoundary => "no boundary was met in any direction",
             Self::Boxed => "the robot is held on all sides",
-            Self::OutlineBroken => "the contacts make no simple closed outline",
+            Self::OutlineBroken => {
+                "the contacts make no simple closed outline around the robot's way: the lap errs by more \
+                 than walls are thick; a calibrated robot errs less (`periplus calibrate`)"
+            }
             Self::TooManyBumps => "too many bumps in one place",
             Self::WheelsLie => {
                 "by its wheels the robot goes in curves where by its gyro it goes straight: see to \

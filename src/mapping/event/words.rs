@@ -138,6 +138,14 @@ fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
 /// What became of a lap.
 fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
+        EventKind::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),
+        EventKind::LapClosed { length, extrinsic: false } => {
+            write!(f, "lap closed after {length:.2} m: inside, this is the boundary")
+        }
+        EventKind::LapClosed { length, extrinsic: true } => {
+            write!(f, "lap closed after {length:.2} m: outside, this is an object")
+        }
+        EventKind::LapFailed { why } => write!(f, "lap given up: {why}"),
         EventKind::Pocket { length } => write!(
             f,
             "lap closed after {length:.2} m: a pocket behind a narrow gap, not the room; back out"
@@ -267,14 +275,6 @@ impl fmt::Display for EventKind {
             Self::ContactGained { by } => write!(f, "contact: {by}"),
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
-            Self::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),
-            Self::LapClosed { length, extrinsic: false } => {
-                write!(f, "lap closed after {length:.2} m: inside, this is the boundary")
-            }
-            Self::LapClosed { length, extrinsic: true } => {
-                write!(f, "lap closed after {length:.2} m: outside, this is an object")
-            }
-            Self::LapFailed { why } => write!(f, "lap given up: {why}"),
             Self::ShapeFound { class, vertices, parts } => {
                 write!(f, "shape: {class}, {vertices} vertices, {parts} part(s)")
             }
@@ -285,7 +285,10 @@ impl fmt::Display for EventKind {
             ),
             Self::Unreached { .. } | Self::Untouched { .. } => out_of_reach(f, self),
             Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
-            Self::Pocket { .. }
+            Self::LapCandidate { .. }
+            | Self::LapClosed { .. }
+            | Self::LapFailed { .. }
+            | Self::Pocket { .. }
             | Self::LapsWanted { .. }
             | Self::LapAgain { .. }
             | Self::LapAveraged { .. }

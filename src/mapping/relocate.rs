@@ -15,7 +15,7 @@ use super::settings::Settings;
 use super::tour::Astray;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Pose, Ring, angle};
-use recognise::{Landmarks, Place, Seen};
+use recognise::{Landmarks, Place, Seen, put};
 
 /// The map is looked at again after so many metres.
 const LOOK: f64 = 0.4;
@@ -111,7 +111,7 @@ impl Relocation {
         if self.search.circuit().is_some() && tracker.travelled() > self.looked + LOOK {
             self.looked = tracker.travelled();
             let seen = self.seen();
-            let found = self.only(&self.landmarks.places(&seen));
+            let found = only(&self.places(&seen));
             let here = tracker.pose();
             // Both looks must put the robot at one place.
             let steady = |place: &Place, before: &Place| {
@@ -130,8 +130,8 @@ impl Relocation {
             Next::Go(ask) => Seek::Go(ask),
             Next::Found(..) => {
                 let seen = self.seen();
-                let places = self.landmarks.places(&seen);
-                match self.only(&places) {
+                let places = self.places(&seen);
+                match only(&places) {
                     Some(place) => Seek::Found(self.landmarks.sharpened(&place, &seen)),
                     None => Seek::Unclear(places.len()),
                 }
@@ -152,16 +152,21 @@ impl Relocation {
             .collect()
     }
 
-    /// The one of `places` that it is: the only one, or the only one near where the operator says.
-    fn only(&self, places: &[Place]) -> Option<Place> {
-        let sure = |place: &&Place| place.is_sure();
-        let near = |place: &&Place| {
-            let put = place.of(self.from);
-            (put.position - self.from.position).norm() < ABOUT.0
-                && angle::wrap(put.heading - self.from.heading).abs() < ABOUT.1
+    /// The places of the map that look like what was `seen`: near where the operator says, if he does.
+    fn places(&self, seen: &[Seen]) -> Vec<Place> {
+        let near = |at: Pose| {
+            (at.position - self.from.position).norm() < ABOUT.0
+                && angle::wrap(at.heading - self.from.heading).abs() < ABOUT.1
         };
-        let mut left = places.iter().filter(|place| !self.told || near(place));
-        let first = left.next().filter(sure);
-        if left.next().is_some() { None } else { first.copied() }
+        let mut places =
+            self.landmarks.places(seen, |onto| !self.told || near(put(onto, self.from)));
+        places.retain(|place| !self.told || near(place.of(self.from)));
+        places
     }
+}
+
+/// The one of `places` that it is: the only one, if it is sure.
+fn only(places: &[Place]) -> Option<Place> {
+    let [place] = places else { return None };
+    place.is_sure().then_some(*place)
 }

@@ -43,10 +43,16 @@ impl Place {
     /// Where this puts `pose`.
     #[must_use]
     pub fn of(&self, pose: Pose) -> Pose {
-        Pose {
-            position: self.onto.to_world(pose.position),
-            heading: angle::wrap(pose.heading + self.onto.heading),
-        }
+        put(&self.onto, pose)
+    }
+}
+
+/// Where `onto`, which takes the robot's frame to the map, puts `pose`.
+#[must_use]
+pub fn put(onto: &Pose, pose: Pose) -> Pose {
+    Pose {
+        position: onto.to_world(pose.position),
+        heading: angle::wrap(pose.heading + onto.heading),
     }
 }
 
@@ -117,9 +123,10 @@ impl Landmarks {
     }
 
     /// The places of the map that look like what was `seen`, best first; none as long as too little
-    /// was. More than one when they cannot be told apart.
+    /// was. More than one when they cannot be told apart. Only what takes the robot's frame to the map in a
+    /// way that `may_be` is looked at.
     #[must_use]
-    pub fn places(&self, seen: &[Seen]) -> Vec<Place> {
+    pub fn places(&self, seen: &[Seen], may_be: impl Fn(&Pose) -> bool) -> Vec<Place> {
         let seen = thinned(seen);
         let Some((a, b)) = farthest(&seen) else { return Vec::new() };
         if (b - a).norm() < LEAST_REACH {
@@ -127,7 +134,7 @@ impl Landmarks {
         }
         let reach = (b - a).norm();
         let mut found: Vec<Place> = Vec::new();
-        for guess in self.guesses(&seen, a, b) {
+        for guess in self.guesses(&seen, (a, b), may_be) {
             let Some(place) = self.settle(&seen, guess, |_| 1.0) else { continue };
             let last = seen[seen.len() - 1].from;
             let twin = |other: &Place| {
@@ -163,8 +170,13 @@ impl Landmarks {
         })
     }
 
-    /// Roughly right guesses, best first.
-    fn guesses(&self, seen: &[Seen], a: Point, b: Point) -> Vec<Pose> {
+    /// Roughly right guesses that `may_be`, best first; from `a` to `b` is as far as was seen.
+    fn guesses(
+        &self,
+        seen: &[Seen],
+        (a, b): (Point, Point),
+        may_be: impl Fn(&Pose) -> bool,
+    ) -> Vec<Pose> {
         let (reach, bearing) = ((b - a).norm(), angle::of(b - a));
         let slack = PITCH.max(self.pitch());
         let few: Vec<&Seen> = seen.iter().step_by((seen.len() / 24).max(1)).collect();
@@ -181,7 +193,9 @@ impl Landmarks {
                 let about = Point::from((a.coords + b.coords) / 2.0);
                 let spun = Pose { position: Point::origin(), heading: turn };
                 let onto = Pose { position: middle - spun.rotate(about.coords), heading: turn };
-                if let Some(off) = self.roughly(&few, &onto) {
+                if may_be(&onto)
+                    && let Some(off) = self.roughly(&few, &onto)
+                {
                     guesses.push((off, onto));
                 }
             }
@@ -328,6 +342,10 @@ mod tests {
         Ring::polygon(&points)
     }
 
+    fn anywhere(_: &Pose) -> bool {
+        true
+    }
+
     /// An L, no two corners of which look alike on both sides.
     fn room() -> Ring {
         polygon(&[(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (3.0, 4.0), (3.0, 2.5), (0.0, 2.5)])
@@ -360,7 +378,7 @@ mod tests {
         let frame = Pose::new(1.3, -2.0, 2.1);
         // Anti-clockwise, with the floor on the left.
         let seen = along(&[(3.0, 0.0), (5.0, 0.0), (5.0, 4.0), (4.2, 4.0)], &frame);
-        let places = marks.places(&seen);
+        let places = marks.places(&seen, anywhere);
         assert_eq!(places.len(), 1, "{places:?}");
         let off = (places[0].onto.position - frame.position).norm();
         assert!(off < 0.01, "{off}");
@@ -372,7 +390,7 @@ mod tests {
     fn one_straight_wall_tells_nothing() {
         let marks = Landmarks::new(&room(), Vec::new());
         let seen = along(&[(0.5, 0.0), (2.5, 0.0)], &Pose::new(0.2, 0.1, 0.4));
-        assert_ne!(marks.places(&seen).len(), 1);
+        assert_ne!(marks.places(&seen, anywhere).len(), 1);
     }
 
     #[test]
@@ -380,8 +398,12 @@ mod tests {
         let room = polygon(&[(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)]);
         let marks = Landmarks::new(&room, Vec::new());
         let way = [(1.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0), (0.0, 0.0), (1.0, 0.0)];
-        let places = marks.places(&along(&way, &Pose::new(0.0, 0.0, 0.3)));
+        let seen = along(&way, &Pose::new(0.0, 0.0, 0.3));
+        let places = marks.places(&seen, anywhere);
         assert_eq!(places.len(), 2, "{places:?}");
+        // The other one is half a turn away.
+        let upright = |onto: &Pose| angle::wrap(onto.heading - 0.3).abs() < 0.7;
+        assert_eq!(marks.places(&seen, upright).len(), 1);
     }
 
     #[test]
@@ -389,7 +411,7 @@ mod tests {
         let marks = Landmarks::new(&room(), Vec::new());
         // A box of 1.5 m, gone round on its outside.
         let way = [(0.0, 0.0), (0.0, 1.5), (1.5, 1.5), (1.5, 0.0), (0.0, 0.0)];
-        assert_eq!(marks.places(&along(&way, &Pose::new(0.5, 0.5, 1.0))), Vec::new());
+        assert_eq!(marks.places(&along(&way, &Pose::new(0.5, 0.5, 1.0)), anywhere), Vec::new());
     }
 
     #[test]
@@ -398,7 +420,7 @@ mod tests {
         let marks = Landmarks::new(&room(), vec![object]);
         let frame = Pose::new(-1.0, 0.7, -0.8);
         let way = [(2.6, 1.0), (2.0, 1.0), (2.0, 1.6), (3.2, 1.8), (3.5, 1.0), (2.6, 1.0)];
-        let places = marks.places(&along(&way, &frame));
+        let places = marks.places(&along(&way, &frame), anywhere);
         assert_eq!(places.len(), 1, "{places:?}");
         assert!((places[0].onto.position - frame.position).norm() < 0.01);
     }

@@ -10,6 +10,7 @@
 mod bearings;
 mod doubt;
 mod drive;
+mod extra;
 mod line;
 mod no_passage;
 mod recognise;
@@ -31,7 +32,7 @@ use crate::geometry::{Point, Pose, Ring, Vector};
 use crate::robot::Chassis;
 use bearings::Feeling;
 pub use doubt::Astray;
-use drive::{Drive, Purpose, best_chord};
+use drive::{Drive, Purpose};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 use ties::{Shuttle, Span};
@@ -46,12 +47,8 @@ const MOST_BUMPS: u32 = 3;
 const MOST_UNDECIDED: u32 = 200;
 /// A line on which so many rounds stayed open is given up.
 const MOST_LEFT_OPEN: u32 = 2;
-/// The disc is brought this far below α, since the pose is never quite known, metres.
-const PROMISE_MARGIN: f64 = 0.045;
 /// Where the robot was shut in before, metres around, it is not led out once more.
 const LED_OUT: f64 = 0.1;
-/// Extra lines at most, so that a tour always ends.
-const MOST_EXTRA: usize = 60;
 
 #[derive(Debug, Clone)]
 enum Doing {
@@ -267,7 +264,13 @@ impl Tour {
                         self.doing = Doing::Retreating(retreat);
                         continue;
                     }
-                    let drive = self.choose(scene)?;
+                    let Some(drive) = self.choose(scene) else {
+                        // The floor that it stood on may have to be driven yet.
+                        if self.take_away_impossible(scene) {
+                            continue;
+                        }
+                        return None;
+                    };
                     undecided = 0;
                     self.doing = Doing::Driving(Box::new(drive));
                     reason = None;
@@ -388,56 +391,6 @@ impl Tour {
             return Some(Drive { backwards, ..Drive::new(id, from, to) });
         }
         self.extra_line(scene).or_else(|| self.tie(scene))
-    }
-
-    /// A line through the largest disc that is still hidden, if it is too large.
-    fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
-        let path = scene.tracker.path();
-        for point in &path[self.covered..] {
-            if point.carried {
-                self.coverage.lift();
-            }
-            self.coverage.push(point.pose.position);
-        }
-        self.covered = path.len();
-        let target = self.alpha - PROMISE_MARGIN;
-        let clearance = self.chassis.radius + ROOM;
-        let coverage = self.coverage.clone();
-        let given_up = self.given_up.clone();
-        let extra = self.extra;
-        let floor = self.floor(scene.rest.pose.position);
-        let (spots, largest) = coverage.spots_and_largest(floor, target.max(0.05));
-        scene.map.hidden_disc = Some(largest.map_or(0.0, |disc| disc.diameter));
-        scene.map.hidden_at = largest.map(|disc| disc.at);
-        if extra >= MOST_EXTRA {
-            return None;
-        }
-        let spot = spots
-            .iter()
-            .filter(|spot| given_up.iter().all(|p| (p - spot.at).norm() > 0.06))
-            .max_by(|a, b| a.diameter.total_cmp(&b.diameter))?;
-        let at = spot.at;
-        let chord = best_chord(floor, at, spot.diameter, clearance);
-        self.extra += 1;
-        self.given_up.push(at);
-        let (from, to) = chord.unwrap_or((at, at));
-        let near = |p: &Point| (p - scene.rest.pose.position).norm();
-        let (from, to) = if near(&to) < near(&from) { (to, from) } else { (from, to) };
-        let plan = scene.map.plan.as_mut()?;
-        let id = plan.lines.iter().map(|line| line.id).max().unwrap_or(0) + 1;
-        plan.lines.push(PlanLine {
-            id,
-            part: 0,
-            vertex: 0,
-            start: from,
-            end: to,
-            angle: 0.0,
-            drive: Some((from, to)),
-            status: LineStatus::Driving,
-            reason: None,
-        });
-        scene.tell.push(EventKind::LineBegan { id, backwards: false });
-        Some(Drive::new(id, from, to))
     }
 }
 

@@ -26,6 +26,13 @@ const STEP: f64 = 0.05;
 const SAME_PLACE: f64 = 0.6;
 /// So many contacts may lie anywhere.
 const STRAYS: usize = 3;
+/// Of things that are one this share of either's edge, at least, lies deep in the other, ...
+const MOSTLY: f64 = 0.3;
+/// ... or this share no farther off the other than so many metres.
+const ALL: f64 = 0.9;
+const SAME_EDGE: f64 = 0.08;
+/// Of a thing that stands at a wall no more than this share lies beyond that.
+const SOME: f64 = 0.15;
 /// Doubts at most, so that a tour always ends.
 const MOST_DOUBTS: usize = 24;
 
@@ -55,6 +62,25 @@ fn edge(ring: &Ring) -> impl Iterator<Item = Point> {
         let count = (piece.length() / STEP).ceil().max(1.0);
         (0..count as u32).map(move |k| piece.at(f64::from(k) / count))
     })
+}
+
+/// Which share of `points` is `so`, 0 to 1.
+fn share(points: impl Iterator<Item = Point>, so: impl Fn(Point) -> bool) -> f64 {
+    let (of, all) =
+        points.fold((0.0_f64, 0.0_f64), |(of, all), p| (of + f64::from(so(p)), all + 1.0));
+    of / all.max(1.0)
+}
+
+/// Whether what is `one` is where the `other` is, or part of it.
+fn is_in(one: &Ring, other: &Ring) -> bool {
+    let on = |p: Point| other.contains(p) || other.distance(p) < SAME_EDGE;
+    share(edge(one), |p| holds(other, ERRS, [p])) > MOSTLY || share(edge(one), on) > ALL
+}
+
+/// Whether a ring lies beyond the `outline` of the room.
+fn lies_beyond(outline: &Ring, ring: &Ring) -> bool {
+    let beyond = |p: Point| !outline.contains(p) && outline.distance(p) > ERRS;
+    share(edge(ring), beyond) > SOME
 }
 
 /// Whether two rings share more than an edge of this `depth`.
@@ -107,10 +133,29 @@ impl Tour {
                 || found.iter().any(|thing| overlap(ring, &thing.outline, ERRS))
         };
         let wrong: Vec<bool> = self.chart.objects().map(refuted).collect();
+        self.take_away(&wrong, scene);
+    }
+
+    /// Takes away what is twice on the map, where it was gone round the second time, and what lies beyond the
+    /// room, now that all lines are driven; whether there was anything.
+    pub(super) fn take_away_impossible(&mut self, scene: &mut Scene<'_>) -> bool {
+        let rings: Vec<&Ring> = self.chart.objects().collect();
+        let is_wrong = |(k, ring): (usize, &&Ring)| {
+            lies_beyond(self.chart.outline(), ring)
+                || rings[..k].iter().any(|other| is_in(ring, other) || is_in(other, ring))
+        };
+        let wrong: Vec<bool> = rings.iter().enumerate().map(is_wrong).collect();
+        self.take_away(&wrong, scene);
+        wrong.contains(&true)
+    }
+
+    /// Takes the objects away that are `wrong`.
+    fn take_away(&mut self, wrong: &[bool], scene: &mut Scene<'_>) {
         for index in (0..wrong.len()).rev().filter(|index| wrong[*index]) {
             self.chart.remove(index);
             let id = scene.map.objects.remove(index).id;
             scene.tell.push(EventKind::ObjectRefuted { id });
+            self.floor = None;
         }
     }
 
@@ -162,6 +207,29 @@ mod tests {
         assert!(has_been(&path, 0.06, Point::new(0.5, 0.04)));
         assert!(!has_been(&path, 0.06, Point::new(0.5, 0.09)));
         assert!(!has_been(&path, 0.06, Point::new(1.2, 0.0)));
+    }
+
+    fn square(x: f64, y: f64, side: f64) -> Ring {
+        let corners = [(0.0, 0.0), (0.0, side), (side, side), (side, 0.0)];
+        Ring::polygon(&corners.map(|(dx, dy)| Point::new(x + dx, y + dy)))
+    }
+
+    #[test]
+    fn two_things_in_one_place_are_one_and_neighbours_are_two() {
+        let crate_ = square(1.0, 1.0, 1.0);
+        for (x, y) in [(1.0, 1.0), (1.03, 0.98), (1.3, 1.2)] {
+            assert!(is_in(&square(x, y, 1.0), &crate_), "{x} {y}");
+        }
+        assert!(is_in(&square(1.4, 1.4, 0.2), &crate_), "within it");
+        assert!(!is_in(&square(1.95, 1.0, 1.0), &crate_), "beside it, 5 cm wrong");
+        assert!(!is_in(&square(2.03, 1.4, 0.2), &crate_), "a small one beside it");
+    }
+
+    #[test]
+    fn a_thing_at_the_wall_is_within_the_room() {
+        let room = square(0.0, 0.0, 4.0);
+        assert!(!lies_beyond(&room, &square(-0.03, 1.0, 0.5)));
+        assert!(lies_beyond(&room, &square(-0.2, 1.0, 0.3)));
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl Tour {
 
     /// Whether a thing cannot be where it was met.
     pub(super) fn cannot_be_at(&self, p: Point, scene: &Scene<'_>) -> bool {
-        if self.was_doubted(p) {
+        if !self.may_doubt(p) {
             return false;
         }
         let (errs, outline) = (self.errs_by(p, scene), self.chart.outline());
@@ -112,7 +112,7 @@ impl Tour {
             let errs = self.errs_by(ring.middle(), scene) + LED_ROUND * ring.perimeter();
             let been = scene.tracker.path().iter().map(|place| place.pose.position);
             let outside = |p: Point| !outline.contains(p) && outline.distance(p) > errs;
-            !self.was_doubted(ring.middle())
+            self.may_doubt(ring.middle())
                 && (holds(ring, errs, been)
                     || self.chart.objects().any(|other| overlap(ring, other, errs))
                     || edge(ring).any(outside))
@@ -167,8 +167,11 @@ impl Tour {
     }
 
     fn was_doubted(&self, p: Point) -> bool {
-        self.doubted.len() >= MOST_DOUBTS
-            || self.doubted.iter().any(|place| (place - p).norm() < SAME_PLACE)
+        self.doubted.iter().any(|place| (place - p).norm() < SAME_PLACE)
+    }
+
+    fn may_doubt(&self, p: Point) -> bool {
+        self.doubted.len() < MOST_DOUBTS && !self.was_doubted(p)
     }
 
     /// Leaves what it was doing: the robot is astray beside what it follows with `wall` on its `side`, since

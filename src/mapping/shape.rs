@@ -65,15 +65,17 @@ pub(crate) struct Sample {
 /// can have been made.
 pub fn outline(contacts: &[Contact], reach: f64, give: f64) -> Result<Ring, Failure> {
     let ring = fitted(contacts, reach, give).map(Ring::counter_clockwise);
-    let ring = ring.filter(|ring| holds(ring, contacts));
+    let ring = ring.filter(|ring| holds(ring, contacts, reach));
     ring.map_or_else(|| joined(contacts, reach), Ok)
 }
 
-/// Whether the robot was within `ring` when it made the `contacts`: a lap that has laid two walls through
-/// each other can be untangled into a simple outline of another room.
-fn holds(ring: &Ring, contacts: &[Contact]) -> bool {
-    let within = contacts.iter().filter(|contact| ring.contains(contact.from)).count();
-    within as f64 >= WITHIN * contacts.len() as f64
+/// Whether the robot was within `ring` when it made the `contacts`, but for those in pockets that the
+/// outline leaves out: a lap that has laid two walls through each other can be untangled into a simple
+/// outline of another room.
+fn holds(ring: &Ring, contacts: &[Contact], reach: f64) -> bool {
+    let outlined = order::along_wall(contacts, reach);
+    let within = outlined.iter().filter(|contact| ring.contains(contact.from)).count();
+    within as f64 >= WITHIN * outlined.len() as f64
 }
 
 /// The same without a fit: the contacts themselves, joined in order and untangled.
@@ -82,7 +84,7 @@ fn holds(ring: &Ring, contacts: &[Contact]) -> bool {
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
 pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
     let ring = chain::outline(contacts, reach).map(Ring::counter_clockwise);
-    ring.filter(|ring| holds(ring, contacts)).ok_or(Failure::OutlineBroken)
+    ring.filter(|ring| holds(ring, contacts, reach)).ok_or(Failure::OutlineBroken)
 }
 
 /// `outline` without the crossings that corrections of its corners may have made; as it is where they

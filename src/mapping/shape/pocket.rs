@@ -107,4 +107,28 @@ mod tests {
         let all = visit(0.36);
         assert_eq!(without_pockets(&all, REACH).len(), all.len());
     }
+
+    #[test]
+    fn a_room_with_a_pocket_has_an_outline_that_leaves_it_out() {
+        let wall = |from: (f64, f64), to: (f64, f64), off: (f64, f64)| {
+            (0..12).map(move |k| {
+                let at = |a: f64, b: f64| a + (b - a) * f64::from(k) / 12.0;
+                let (x, y) = (at(from.0, to.0), at(from.1, to.1));
+                seen((x + off.0, y + off.1), (x, y))
+            })
+        };
+        // A room of 4 x 0.7 m beyond the wall with the gap: much of what is seen is seen in the pocket.
+        let mut contacts = visit(0.29);
+        contacts.extend(wall((4.0, 0.0), (4.0, -0.7), (-0.145, 0.0)));
+        contacts.extend(wall((4.0, -0.7), (0.0, -0.7), (0.0, 0.145)));
+        contacts.extend(wall((0.0, -0.7), (0.0, 0.0), (0.145, 0.0)));
+        // Its floor on the left hand.
+        for contact in &mut contacts {
+            contact.point.y = -contact.point.y;
+            contact.from.y = -contact.from.y;
+        }
+        let outline = crate::mapping::shape::outline(&contacts, REACH, 0.0).expect("a room");
+        assert!((outline.area() - 2.8).abs() < 0.1, "{}", outline.area());
+        assert!(!outline.contains(Point::new(2.145, -0.4)), "the pocket is no part of it");
+    }
 }

@@ -11,7 +11,7 @@ mod piece;
 pub use piece::{Led, Placed, lead_on};
 
 use super::circuit::Closure;
-use super::lay::{Overlap, Seen, about, lay};
+use super::lay::{Overlap, Seen, about, lay, lay_from_each};
 use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
@@ -27,6 +27,21 @@ const DOUBTFUL: f64 = 0.9;
 const FEATURES: f64 = 7.0;
 const NOTCH: f64 = 0.05;
 const MOST_NOTCHES: i32 = 14;
+
+/// Places of an overlap that are farther apart than this are two, metres; they are looked for in such steps,
+/// as far as so many standard deviations to either side.
+const APART: f64 = 0.25;
+const STEP: f64 = 0.1;
+const DEVIATIONS: f64 = 3.0;
+const FARTHEST: f64 = 4.0;
+/// Where an overlap lies nearly as well as this share less, it lies as well.
+const AS_WELL: f64 = 0.05;
+/// So many contacts of an overlap tell whether it lies at a place.
+const ENOUGH: usize = 60;
+/// An overlap known to this by itself is held by something, metres: along a plain wall it lies anywhere.
+const HELD: f64 = 0.02;
+/// The way along a wall with bays is so many times as long as the wall.
+const WINDING: f64 = 3.0;
 
 /// A piece of an overlap beyond others is looked for among what came by so much sooner or later, metres,
 /// beside the share by which rounds differ.
@@ -101,6 +116,56 @@ pub fn measure(
     let off = Led::by(&laid).at(end.position);
     laid.misclosure = Misclosure { dx: off.x, dy: off.y, heading: off.z, lap };
     laid
+}
+
+/// Whether what was driven more than `beyond` metres after the end of `closure`, and lies on the beginning
+/// as `laid` says, lies elsewhere as well: pillars, doors and bays repeat themselves, and a lap may be off
+/// by one of them, as far as `traverse` lets it be. Where it lies better, `laid` says that from then on.
+#[must_use]
+pub fn lies_elsewhere(
+    closure: &Closure,
+    sightings: &[Sighting],
+    traverse: &Traverse,
+    beyond: f64,
+    laid: &mut Overlap,
+) -> bool {
+    let centre = laid.centre;
+    let (prior, expected) = about(traverse.prior(), closure.to.pose.position, centre);
+    // The heading is known from the overlap wherever that lies, and with it much of the rest.
+    let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, laid.alone.1.powi(-2)));
+    let Some(spread) = (prior + heading).try_inverse() else { return false };
+    let middle = spread * (expected + heading * laid.found);
+    let along = closure.to.pose.direction();
+    let position = spread.fixed_view::<2, 2>(0, 0).into_owned();
+    let reach = (DEVIATIONS * along.dot(&(position * along)).max(0.0).sqrt()).min(FARTHEST);
+    if reach < APART || laid.alone.0 > HELD {
+        return false;
+    }
+    let range = |s: &&Sighting| s.alive && s.kind == ContactKind::Range;
+    let sooner = STRETCHED * beyond + OFF_ALONG + WINDING * reach;
+    let around = beyond - 0.3 - sooner..driven_beyond(closure, sightings) + 0.5 + sooner;
+    let within = |s: &&Sighting| around.contains(&(s.travelled - closure.from.travelled));
+    let after = |s: &&Sighting| s.travelled > closure.to.travelled + beyond;
+    let seen = sightings.iter().filter(range);
+    let early: Vec<Seen> = seen.clone().filter(within).map(Sighting::seen).collect();
+    let late: Vec<Seen> = seen.filter(after).map(Sighting::seen).collect();
+    let late: Vec<Seen> = late.iter().step_by(1 + late.len() / ENOUGH).copied().collect();
+    let steps = (reach / STEP) as i32;
+    let starts: Vec<Vector3<f64>> = (-steps..=steps)
+        .map(|k| along * (f64::from(k) * STEP))
+        .map(|by| middle + Vector3::new(by.x, by.y, 0.0))
+        .collect();
+    let all = lay_from_each(&early, &late, centre, (prior, expected), &starts, laid.doubt);
+    for other in &all {
+        if other.share > laid.share + AS_WELL {
+            *laid = *other;
+        }
+    }
+    let apart = |other: &Overlap| (other.found - laid.found).xy().norm() > APART;
+    let as_well = |other: &Overlap| {
+        other.share > laid.share - AS_WELL && other.agreement > laid.agreement - AS_WELL
+    };
+    all.iter().any(|other| apart(other) && as_well(other))
 }
 
 /// Knots of a lap at most.

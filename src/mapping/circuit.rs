@@ -253,6 +253,7 @@ impl Circuit {
             overlap: self.overlap,
             looked: None,
             held: None,
+            alike: false,
         });
     }
 }

@@ -125,13 +125,23 @@ pub fn lay_as(
             best = other;
         }
     }
-    let Fit { found, agreeing, known, normal, right } = best;
-    let misclosure = Misclosure { dx: found.x, dy: found.y, heading: found.z, lap: 0.0 };
-    let (sd, alone) = (deviations(normal + prior.0), deviations(normal));
-    let judged = known.max(late.len().div_ceil(2)).max(1);
-    let agreement = agreeing as f64 / judged as f64;
-    let share = agreeing as f64 / late.len().max(1) as f64;
-    Overlap { misclosure, agreement, share, known, centre, normal, right, found, doubt, sd, alone }
+    laid.told(&best, doubt)
+}
+
+/// The same from each of `starts` by itself: the places where it lies, good or bad.
+#[must_use]
+pub fn lay_from_each(
+    early: &[Seen],
+    late: &[Seen],
+    centre: Point,
+    prior: (Matrix3<f64>, Vector3<f64>),
+    starts: &[Vector3<f64>],
+    doubt: (f64, f64),
+) -> Vec<Overlap> {
+    let (scatter, variance) = doubt;
+    let early = Look { seen: early, scatter };
+    let laid = Laid { early, late, centre, prior: prior.0, expected: prior.1, variance };
+    starts.iter().map(|start| laid.told(&laid.closest(*start), doubt)).collect()
 }
 
 /// Less than this says nothing, per square metre: a standard deviation of ten metres.
@@ -171,6 +181,25 @@ struct Laid<'a> {
 }
 
 impl Laid<'_> {
+    /// What a fit says.
+    fn told(&self, fit: &Fit, doubt: (f64, f64)) -> Overlap {
+        let Fit { found, agreeing, known, normal, right } = *fit;
+        let count = self.late.len();
+        Overlap {
+            misclosure: Misclosure { dx: found.x, dy: found.y, heading: found.z, lap: 0.0 },
+            agreement: agreeing as f64 / known.max(count.div_ceil(2)).max(1) as f64,
+            share: agreeing as f64 / count.max(1) as f64,
+            known,
+            centre: self.centre,
+            normal,
+            right,
+            found,
+            doubt,
+            sd: deviations(normal + self.prior),
+            alone: deviations(normal),
+        }
+    }
+
     /// Starts to either side of a fit in the direction that it left open: a corner farther off than
     /// the search for closest points reaches is found from one of them.
     fn along_the_open(&self, fit: &Fit) -> Vec<Vector3<f64>> {

@@ -3,7 +3,7 @@
 
 use super::{Anchor, Circuit, Closure};
 use crate::geometry::{Point, angle};
-use crate::mapping::adjust::{Before, Led, Placed, Traverse, lead_on, measure};
+use crate::mapping::adjust::{Before, Led, Placed, Traverse, lead_on, lies_elsewhere, measure};
 use crate::mapping::drift::Unwound;
 use crate::mapping::lay::Overlap;
 use crate::mapping::odometry::Tracker;
@@ -46,6 +46,9 @@ const SMALL: f64 = 0.02;
 /// every few metres.
 const LOOSE: f64 = 0.5;
 
+/// Where an overlap lies elsewhere as well, it is looked at again after so much more of it, metres.
+const ALIKE: f64 = 1.0;
+
 /// How far the robot drives beyond the end of a `lap` (metres) that it found without a drift, metres.
 fn free_overlap(lap: f64) -> f64 {
     (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
@@ -61,6 +64,8 @@ pub(super) struct Candidate {
     pub(super) rate: f64,
     /// Seconds of motion since the lap began.
     pub(super) seconds: f64,
+    /// What was looked at so far lies elsewhere on the beginning as well.
+    pub(super) alike: bool,
     /// Metres to drive beyond it before it is looked at.
     pub(super) overlap: f64,
     /// Where what was looked at so far says that the robot was then.
@@ -88,6 +93,20 @@ struct Laid {
     /// Where it ends is anybody's guess but for the overlap: a drift was found only with it, or the lap
     /// was long.
     free: bool,
+    /// The overlap lies elsewhere as well.
+    alike: bool,
+}
+
+impl Laid {
+    /// Whether the misclosure is known as well as it has to be.
+    fn is_known(&self) -> bool {
+        let (known, position) = if self.free {
+            (self.overlap.alone, FREE_POSITION)
+        } else {
+            (self.overlap.sd, POSITION_ENOUGH)
+        };
+        known.0 < position && known.1 < HEADING_ENOUGH
+    }
 }
 
 /// What looking at a candidate says.
@@ -110,15 +129,16 @@ impl Circuit {
         if candidate.held.is_some() {
             return self.look_on(index, driven, tracker);
         }
-        let Laid { mut closure, mut overlap, looked, free } =
-            self.laid(candidate, candidate.rate, tracker);
+        let laid = self.laid(candidate, candidate.rate, tracker);
+        let known = laid.is_known();
+        let Laid { mut closure, mut overlap, looked, free, alike } = laid;
         let lap = closure.length();
         let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
-        let all = driven > most.min(0.3 * lap);
-        let (least, position) =
-            if free { (FREE_AGREEMENT, FREE_POSITION) } else { (AGREEMENT, POSITION_ENOUGH) };
-        let known = if free { overlap.alone } else { overlap.sd };
-        let enough = known.0 < position && known.1 < HEADING_ENOUGH;
+        // Where walls repeat themselves, only their ends tell.
+        let alike = alike && driven < lap;
+        let all = driven > most.min(0.3 * lap) && !alike;
+        let least = if free { FREE_AGREEMENT } else { AGREEMENT };
+        let enough = known && !alike;
         if overlap.known < EVIDENCE && driven > NOTHING_KNOWN {
             return Verdict::Another;
         }
@@ -133,8 +153,10 @@ impl Circuit {
         }
         let far = !free || driven > free_overlap(lap);
         if !(enough || all) {
-            self.candidates[index].overlap = driven + 0.2;
-            self.candidates[index].looked = looked;
+            let candidate = &mut self.candidates[index];
+            candidate.alike |= alike;
+            candidate.overlap = driven + if alike { ALIKE } else { 0.2 };
+            candidate.looked = looked;
             return Verdict::More;
         }
         let left = overlap.misclosure.heading;
@@ -231,13 +253,17 @@ impl Circuit {
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         // Where any drift may be, what is driven on bends with it.
         let driven = tracker.travelled() - to.travelled;
-        let free = candidate.rate != 0.0 || traverse.looseness() > LOOSE;
+        let free = candidate.rate != 0.0 || candidate.alike || traverse.looseness() > LOOSE;
         let beyond = if free { (driven - AS_ONE).max(0.0) } else { 0.0 };
         let led = candidate.looked.and_then(|looked| looked.led(&seen));
         let before = led.map(|led| Before { led, beyond });
         let overlap = measure(&closure, &seen, &traverse, before);
-        let looked = Placed::last(&seen, Led::by(&overlap));
-        Laid { closure, overlap, looked, free }
+        let mut laid = Laid { closure, overlap, looked: None, free, alike: false };
+        if candidate.alike || laid.is_known() {
+            laid.alike = lies_elsewhere(&closure, &seen, &traverse, beyond, &mut laid.overlap);
+        }
+        laid.looked = Placed::last(&seen, Led::by(&laid.overlap));
+        laid
     }
 
     /// The way of the robot, if there is any drift of `rate` to take out of it, and what it saw without

@@ -1,0 +1,99 @@
+//! Halls: so long that a robot loses its place between the walls, breaks its way off, finds its place at
+//! a wall and goes on; with bays that are all alike, of which a lap must not close on the wrong one.
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use periplus::export::Outcome;
+use periplus::geometry::{Point, perp};
+use periplus::mapping::event::EventKind;
+use periplus::mapping::map::{LineStatus, Phase};
+use periplus::mapping::settings::Settings;
+use periplus::robot::Intent;
+
+use periplus::simulator::{NoiseProfile, World};
+
+const HALL: &str = r#"
+name = "a long hall"
+start = { x = 1, y = 2, heading = 10 }
+[boundary]
+vertices = [[0, 0], [30, 0], [30, 6], [0, 6]]
+"#;
+
+/// How often bearings are taken in the middle of a line of the hall, and how far the robot drives for all
+/// of it, as a share of the lengths of its lines.
+fn toured(noise: NoiseProfile) -> (usize, f64) {
+    let world = World::from_toml(HALL, "hall", 0.1).expect("a world");
+    let settings = Settings { alpha: 1.0, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, noise);
+    run.intent(Intent::Run);
+    // Ten times as long as it takes: a robot that did nothing but look for walls is not waited for.
+    while run.is_under_way() && run.session().mission().tracker().time_us() < 40_000_000_000 {
+        run.advance();
+    }
+    assert_eq!(run.ending().map(|ending| ending.outcome), Some(Outcome::Complete), "{noise}");
+    let (mut on_line, mut under_way) = (false, 0);
+    for event in run.session().events() {
+        match event.kind {
+            EventKind::LineBegan { .. } => on_line = true,
+            EventKind::LineDriven { .. } | EventKind::LineEnded { .. } => on_line = false,
+            EventKind::Bearings { .. } if on_line => under_way += 1,
+            _ => {}
+        }
+    }
+    let map = run.snapshot().map;
+    let plan = map.plan.expect("a plan");
+    let driven = plan.lines.iter().filter(|line| line.status == LineStatus::Driven);
+    let length: f64 = driven.map(|line| (line.end - line.start).norm()).sum();
+    let travel = map.path.windows(2).map(|w| (w[1].pose.position - w[0].pose.position).norm());
+    (under_way, travel.sum::<f64>() / length)
+}
+
+#[test]
+fn bearings_are_taken_in_the_middle_of_a_long_way_where_the_robot_is_unsure() {
+    let (stops, sure) = toured(NoiseProfile::None);
+    assert_eq!(stops, 0, "a sure robot drives on");
+    let (stops, unsure) = toured(NoiseProfile::Harsh);
+    assert!(stops > 0, "it drove blindly");
+    assert!(unsure < 3.0 * sure, "{unsure} m for a metre of line instead of {sure}");
+}
+
+/// A hall of 24 x 10 m with bays of 0.6 x 0.4 m all round, every 1.2 m.
+fn bays() -> Vec<Point> {
+    let corners = [(0.0, 0.0), (24.0, 0.0), (24.0, 10.0), (0.0, 10.0)];
+    let mut outline = Vec::new();
+    for (k, (x, y)) in corners.into_iter().enumerate() {
+        let (from, to) = (Point::new(x, y), corners[(k + 1) % 4]);
+        let to = Point::new(to.0, to.1);
+        let along = (to - from).normalize();
+        let out = perp(along) * -0.4;
+        outline.push(from);
+        let count = ((to - from).norm() / 1.2).floor();
+        let first = ((to - from).norm() - count * 1.2) / 2.0 + 0.3;
+        for bay in 0..count as u32 {
+            let begin = from + along * (first + f64::from(bay) * 1.2);
+            let end = begin + along * 0.6;
+            outline.extend([begin, begin + out, end + out, end]);
+        }
+    }
+    outline
+}
+
+#[test]
+fn a_lap_of_equal_bays_closes_on_the_one_it_began_at() {
+    let outline = bays();
+    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
+    let text = format!(
+        "name = \"bays\"\nstart = {{ x = 12, y = 5, heading = 20 }}\n[boundary]\nvertices = [{}]\n",
+        vertices.join(", ")
+    );
+    let world = World::from_toml(&text, "bays", 0.1).expect("a world");
+    // The first seed: by odometry alone this lap lies a bay off as well.
+    let map =
+        common::mapped(&world, Settings::new(world.start), NoiseProfile::Calibrated, Phase::Shape);
+    let shape = map.shape.expect("a shape");
+    // One bay off would be spread over the lap: the far bays would lie 0.6 m beside where they are.
+    let off = |corner: &Point| shape.outline.distance(*corner);
+    let worst = outline.iter().map(off).fold(0.0, f64::max);
+    assert!(worst < 0.2, "a corner of the hall is {worst} m off the outline");
+}

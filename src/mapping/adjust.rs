@@ -80,7 +80,6 @@ pub fn measure(
     let end = closure.to.pose;
     let after = |s: &&Sighting| s.travelled > closure.to.travelled + beyond;
     let late: Vec<Seen> = seen.filter(after).map(Sighting::seen).collect();
-    let lap = closure.length();
     let far = late.first().filter(|_| beyond > 0.0);
     let centre = far.map_or(end.position, |first| first.at);
     let (prior, expected) = about(traverse.prior(), end.position, centre);
@@ -113,7 +112,13 @@ pub fn measure(
             laid = other;
         }
     }
-    let off = Led::by(&laid).at(end.position);
+    at_the_end_of(closure, laid)
+}
+
+/// `laid`, with the misclosure as it is at the end of the lap.
+fn at_the_end_of(closure: &Closure, mut laid: Overlap) -> Overlap {
+    let off = Led::by(&laid).at(closure.to.pose.position);
+    let lap = closure.length();
     laid.misclosure = Misclosure { dx: off.x, dy: off.y, heading: off.z, lap };
     laid
 }
@@ -158,7 +163,7 @@ pub fn lies_elsewhere(
     let all = lay_from_each(&early, &late, centre, (prior, expected), &starts, laid.doubt);
     for other in &all {
         if other.share > laid.share + AS_WELL {
-            *laid = *other;
+            *laid = at_the_end_of(closure, *other);
         }
     }
     let apart = |other: &Overlap| (other.found - laid.found).xy().norm() > APART;

@@ -3,9 +3,11 @@
 //! A line is driven in the pieces that the known objects leave free, with ways round between them.
 //! What is met is one of three things: near the boundary, and the robot carries on; a known
 //! object, and it goes round to the line again; an unknown one, which is gone round and recorded.
+//! What cannot be where it is met makes the robot doubt its own place instead (`doubt`).
 //! Every touch of something mapped corrects the pose. When all lines are driven, what they could
-//! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps. Last
-//! come the ties: objects that are not known well enough are measured from what they stand beside.
+//! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps. Then
+//! come the ties: objects that are not known well enough are measured from what they stand beside. Last,
+//! what is twice on the map is taken away, and the floor that it stood on is driven.
 
 mod bearings;
 mod doubt;
@@ -32,6 +34,7 @@ use crate::geometry::{Point, Pose, Ring, Vector};
 use crate::robot::Chassis;
 use bearings::Feeling;
 pub use doubt::Astray;
+use doubt::Doubt;
 use drive::{Drive, Purpose};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
@@ -112,8 +115,9 @@ pub struct Tour {
     shut_in: Vec<Point>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
-    /// Where something was met that could not be there, and what of it was not yet handed out.
-    doubted: Vec<Point>,
+    /// Where something was met that could not be there.
+    doubts: Vec<Doubt>,
+    /// What it was beside when it doubted its place last, until that is handed out.
     astray: Option<Box<Astray>>,
 }
 
@@ -164,7 +168,7 @@ impl Tour {
             tied: Vec::new(),
             shut_in: Vec::new(),
             fixed_by: None,
-            doubted: Vec::new(),
+            doubts: Vec::new(),
             astray: None,
         }
     }
@@ -178,7 +182,7 @@ impl Tour {
     /// Share of the plan's metres that are done with, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
-        if self.total > 0.0 { (self.driven / self.total).min(1.0) } else { 0.0 }
+        if self.total > 0.0 { (self.driven / self.total).clamp(0.0, 1.0) } else { 0.0 }
     }
 
     /// The contacts that are being collected.

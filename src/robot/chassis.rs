@@ -12,22 +12,24 @@ impl SwitchSet {
     /// No switch at all.
     pub const EMPTY: Self = Self(0);
 
-    /// The set that holds only switch `index`.
+    /// The set that holds only switch `index`; nothing where no set can hold it.
     #[must_use]
     pub fn only(index: usize) -> Self {
-        Self(1 << index)
+        let bit = u32::try_from(index).ok().and_then(|index| 1_u16.checked_shl(index));
+        Self(bit.unwrap_or(0))
     }
 
     /// Whether switch `index` is in the set.
     #[must_use]
     pub fn has(self, index: usize) -> bool {
-        self.0 & (1 << index) != 0
+        self.0 & Self::only(index).0 != 0
     }
 
     /// This set with switch `index` in it or not.
     #[must_use]
     pub fn with(self, index: usize, on: bool) -> Self {
-        if on { Self(self.0 | 1 << index) } else { Self(self.0 & !(1 << index)) }
+        let bit = Self::only(index).0;
+        Self(if on { self.0 | bit } else { self.0 & !bit })
     }
 
     /// Everything in either set.

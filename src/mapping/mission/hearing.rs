@@ -19,6 +19,9 @@ impl Mission {
             }
             Telemetry::Edge(edge) => {
                 let pose = self.odometer(&edge.odometer);
+                if !self.has_switch(edge.sensor) {
+                    return;
+                }
                 self.hear(self.raw.with(edge.sensor, edge.rising), out);
                 if self.trust.out().has(edge.sensor) {
                     return;
@@ -41,10 +44,21 @@ impl Mission {
                 self.bumper = *bumper;
                 if self.awaited.is_some_and(|awaited| awaited.id == *id) {
                     self.awaited = None;
-                    self.came_to_rest(pose, *reason, odometer.time_us, out);
+                    let reason = match *reason {
+                        DoneReason::Guard { sensor, .. } if !self.has_switch(sensor) => {
+                            DoneReason::Stopped
+                        }
+                        reason => reason,
+                    };
+                    self.came_to_rest(pose, reason, odometer.time_us, out);
                 }
             }
         }
+    }
+
+    /// Whether the robot has a switch of this number: one that names another says nothing by it.
+    fn has_switch(&self, sensor: usize) -> bool {
+        sensor < self.settings.chassis.sensors.len()
     }
 
     /// Takes what the switches say, and listens no longer to one that gives itself away by it.

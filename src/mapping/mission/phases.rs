@@ -140,17 +140,17 @@ impl Mission {
 
     /// Stretches all that was mapped towards what the tape said, if there is one, as far as its ends are
     /// known; the outline then.
-    fn lay_tape(&mut self, fitted: Ring, out: &mut Vec<Output>) -> Result<Ring, Failure> {
-        let Some(tape) = self.settings.tape else { return Ok(fitted) };
+    fn lay_tape(&mut self, fitted: Ring, out: &mut Vec<Output>) -> Ring {
+        let Some(tape) = self.settings.tape else { return fitted };
         let mut outline = fitted;
         let Some(length) = tape.on(&outline) else {
             self.tell(EventKind::TapeNowhere, out);
-            return Ok(outline);
+            return outline;
         };
         let mapped = length.mapped;
         if tape.stretch(length, self.tracker.stretched()).is_none() {
             self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
-            return Ok(outline);
+            return outline;
         }
         for _ in 0..TAPINGS {
             let length = tape.on(&outline);
@@ -161,12 +161,17 @@ impl Mission {
                 break;
             }
             self.stretch(stretch);
-            outline = self.fitted_outline()?;
+            let Ok(fitted) = self.fitted_outline() else {
+                self.stretch(1.0 / stretch);
+                self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
+                return outline;
+            };
+            outline = fitted;
         }
         let stretch = self.tracker.stretched();
         self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
         self.tell(EventKind::TapeLaid { mapped, taped: tape.length, stretch }, out);
-        Ok(outline)
+        outline
     }
 
     /// Lays the tape on the outline that there is.
@@ -174,8 +179,7 @@ impl Mission {
         let Some(fitted) = self.map.shape.as_ref().map(|shape| shape.outline.clone()) else {
             return;
         };
-        // An outline that can not be fitted any more stays what it was.
-        let Ok(outline) = self.lay_tape(fitted, out) else { return };
+        let outline = self.lay_tape(fitted, out);
         self.map.shape = Some(shape::identify(outline, &self.map.contacts));
         let start = self.settings.start.position;
         Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
@@ -207,7 +211,7 @@ impl Mission {
             // Of contacts in a wrong order a fit may keep no more than a loop.
             fitted = shape::joined(&self.map.contacts, self.settings.chassis.reach());
         }
-        let outline = match fitted.and_then(|outline| self.lay_tape(outline, out)) {
+        let outline = match fitted.map(|outline| self.lay_tape(outline, out)) {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
         };

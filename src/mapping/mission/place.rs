@@ -99,9 +99,10 @@ impl Mission {
     pub(super) fn relocate(
         &mut self,
         mut relocation: Box<Relocation>,
-        tour: Box<Tour>,
+        mut tour: Box<Tour>,
         out: &mut Vec<Output>,
     ) {
+        let doubts = self.lost.is_some_and(|lost| lost.doubts);
         let mut told = Vec::new();
         let seek = relocation.next(&mut self.tracker, &self.rest, &mut told);
         self.rest.pose = self.tracker.pose();
@@ -116,11 +117,14 @@ impl Mission {
             Seek::Found(place) => {
                 let driven = relocation.driven(&self.tracker);
                 self.found(&place, &tour);
+                if doubts {
+                    tour.settle_doubt();
+                }
                 self.task = Task::Tour(tour);
                 let at = self.tracker.pose().position;
                 self.tell(EventKind::PlaceFound { at, driven }, out);
             }
-            Seek::Unclear(_) if self.lost.is_some_and(|lost| lost.doubts) => {
+            Seek::Unclear(_) if doubts => {
                 self.lost = None;
                 self.task = Task::Tour(tour);
                 self.tell(EventKind::StillAstray, out);

@@ -1,8 +1,8 @@
 //! Whether the robot can be where it believes it is. What is met where the body has been before, or beyond
 //! the room, cannot be there; nor can anything gone round hold places where the body has been, or reach
 //! into what is mapped. Either something has moved or the robot is astray, and a robot that is astray maps
-//! everything twice. It finds such contradictions; what follows from them is for the mission, which looks
-//! for the robot's place as after it was carried.
+//! everything twice. It finds such contradictions and takes off the map what they show to be wrong; the
+//! robot's place is looked for by the mission, as after it was carried.
 
 use super::{Doing, Drive, Scene, Tour};
 use crate::geometry::{Point, Ring};
@@ -45,6 +45,14 @@ pub struct Astray {
     pub wall: Wall,
 }
 
+/// A place where something was met that cannot be there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Doubt {
+    at: Point,
+    /// The robot has found out where it is since.
+    settled: bool,
+}
+
 /// Whether `p` is nearer than `radius` to where the body has been.
 fn has_been(path: &[PathPoint], radius: f64, p: Point) -> bool {
     path.iter().any(|place| (place.pose.position - p).norm() < radius)
@@ -83,6 +91,23 @@ fn lies_beyond(outline: &Ring, ring: &Ring) -> bool {
     share(edge(ring), beyond) > SOME
 }
 
+/// Which of the `rings`, closed or not, lie beyond the `outline` of the room, or stand where another does: of
+/// two it is the one that was not gone round to the end, or is part of the other, or came later.
+fn impossible(outline: &Ring, rings: &[(&Ring, bool)]) -> Vec<bool> {
+    let mut wrong: Vec<bool> = rings.iter().map(|(ring, _)| lies_beyond(outline, ring)).collect();
+    for (k, (late, late_closed)) in rings.iter().enumerate() {
+        for (j, (early, early_closed)) in rings[..k].iter().enumerate() {
+            let (in_early, in_late) = (is_in(late, early), is_in(early, late));
+            if wrong[j] || wrong[k] || !(in_early || in_late) {
+                continue;
+            }
+            let early_goes = if late_closed == early_closed { !in_early } else { *late_closed };
+            wrong[if early_goes { j } else { k }] = true;
+        }
+    }
+    wrong
+}
+
 /// Whether two rings share more than an edge of this `depth`.
 fn overlap(a: &Ring, b: &Ring, depth: f64) -> bool {
     holds(a, depth, edge(b)) || holds(b, depth, edge(a))
@@ -104,11 +129,10 @@ impl Tour {
             || has_been(scene.tracker.path(), self.chassis.radius - errs, p)
     }
 
-    /// Whether one of the things that were gone round cannot be where they seem to be.
-    pub(super) fn cannot_be(&self, found: &[Thing], scene: &Scene<'_>) -> bool {
+    /// The middle of one of the things that were gone round which cannot be where it seems to be.
+    pub(super) fn cannot_be(&self, found: &[Thing], scene: &Scene<'_>) -> Option<Point> {
         let outline = self.chart.outline();
-        found.iter().any(|thing| {
-            let ring = &thing.outline;
+        let is_wrong = |ring: &&Ring| {
             let errs = self.errs_by(ring.middle(), scene) + LED_ROUND * ring.perimeter();
             let been = scene.tracker.path().iter().map(|place| place.pose.position);
             let outside = |p: Point| !outline.contains(p) && outline.distance(p) > errs;
@@ -116,14 +140,25 @@ impl Tour {
                 && (holds(ring, errs, been)
                     || self.chart.objects().any(|other| overlap(ring, other, errs))
                     || edge(ring).any(outside))
-        })
+        };
+        found.iter().map(|thing| &thing.outline).find(is_wrong).map(Ring::middle)
+    }
+
+    /// The robot has found its place: its last doubt was right.
+    pub fn settle_doubt(&mut self) {
+        if let Some(doubt) = self.doubts.last_mut() {
+            doubt.settled = true;
+        }
     }
 
     /// Takes away again what was mapped while the robot was astray. Things that were doubted before, and gone
     /// round once more `since` (robot time, microseconds) from a place that was found anew, are where they are:
     /// what reaches into them, or stands where the robot went round them, is not.
     pub(super) fn refute(&mut self, found: &[Thing], since: u64, scene: &mut Scene<'_>) {
-        if !found.iter().any(|thing| self.was_doubted(thing.outline.middle())) {
+        let settled = |p: Point| {
+            self.doubts.iter().any(|doubt| doubt.settled && (doubt.at - p).norm() < SAME_PLACE)
+        };
+        if !found.iter().any(|thing| settled(thing.outline.middle())) {
             return;
         }
         let path = scene.tracker.path();
@@ -136,15 +171,12 @@ impl Tour {
         self.take_away(&wrong, scene);
     }
 
-    /// Takes away what is twice on the map, where it was gone round the second time, and what lies beyond the
-    /// room, now that all lines are driven; whether there was anything.
+    /// Takes away what is twice on the map, and what lies beyond the room, now that all lines are driven;
+    /// whether there was anything.
     pub(super) fn take_away_impossible(&mut self, scene: &mut Scene<'_>) -> bool {
-        let rings: Vec<&Ring> = self.chart.objects().collect();
-        let is_wrong = |(k, ring): (usize, &&Ring)| {
-            lies_beyond(self.chart.outline(), ring)
-                || rings[..k].iter().any(|other| is_in(ring, other) || is_in(other, ring))
-        };
-        let wrong: Vec<bool> = rings.iter().enumerate().map(is_wrong).collect();
+        let closed = scene.map.objects.iter().map(|object| object.closed);
+        let rings: Vec<(&Ring, bool)> = self.chart.objects().zip(closed).collect();
+        let wrong = impossible(self.chart.outline(), &rings);
         self.take_away(&wrong, scene);
         wrong.contains(&true)
     }
@@ -167,11 +199,11 @@ impl Tour {
     }
 
     fn was_doubted(&self, p: Point) -> bool {
-        self.doubted.iter().any(|place| (place - p).norm() < SAME_PLACE)
+        self.doubts.iter().any(|doubt| (doubt.at - p).norm() < SAME_PLACE)
     }
 
     fn may_doubt(&self, p: Point) -> bool {
-        self.doubted.len() < MOST_DOUBTS && !self.was_doubted(p)
+        self.doubts.len() < MOST_DOUBTS && !self.was_doubted(p)
     }
 
     /// Leaves what it was doing: the robot is astray beside what it follows with `wall` on its `side`, since
@@ -183,7 +215,7 @@ impl Tour {
         (side, wall): (Side, Wall),
         scene: &mut Scene<'_>,
     ) {
-        self.doubted.push(p);
+        self.doubts.push(Doubt { at: p, settled: false });
         self.doing = Doing::Driving(drive);
         self.interrupt(scene.map);
         self.astray = Some(Box::new(Astray { side, wall }));
@@ -226,6 +258,23 @@ mod tests {
         assert!(is_in(&square(1.4, 1.4, 0.2), &crate_), "within it");
         assert!(!is_in(&square(1.95, 1.0, 1.0), &crate_), "beside it, 5 cm wrong");
         assert!(!is_in(&square(2.03, 1.4, 0.2), &crate_), "a small one beside it");
+    }
+
+    #[test]
+    fn of_two_things_in_one_place_the_whole_one_stays() {
+        let (room, table) = (square(0.0, 0.0, 6.0), square(2.0, 2.0, 1.0));
+        // What was seen of its long side when it could not be gone round, and one of its corners.
+        let side = [(2.0, 2.0), (3.0, 2.0), (3.0, 2.01), (2.0, 2.01)];
+        let side = Ring::polygon(&side.map(|(x, y)| Point::new(x, y)));
+        let corner = square(2.0, 2.0, 0.2);
+        let again = square(2.05, 1.97, 1.0);
+        let beyond = square(5.9, 2.0, 0.5);
+        let judged = |rings: &[(&Ring, bool)]| impossible(&room, rings);
+        assert_eq!(judged(&[(&side, false), (&table, true)]), [true, false]);
+        assert_eq!(judged(&[(&table, true), (&side, false)]), [false, true]);
+        assert_eq!(judged(&[(&corner, true), (&table, true)]), [true, false]);
+        assert_eq!(judged(&[(&table, true), (&again, true)]), [false, true], "the later one");
+        assert_eq!(judged(&[(&beyond, true), (&table, true)]), [true, false]);
     }
 
     #[test]

@@ -88,11 +88,10 @@ impl Tour {
                     return None;
                 }
             }
-            let reached = drive.done > 0.5 * (drive.to - drive.from).norm() || !drive.skipped;
-            if reached && !drive.skipped {
-                self.end_line(&drive, LineStatus::Driven, None, scene);
-            } else {
+            if drive.skipped {
                 self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
+            } else {
+                self.end_line(&drive, LineStatus::Driven, None, scene);
             }
             return None;
         }

@@ -107,10 +107,7 @@ impl Tour {
                 }
                 let wall = &round.circuit.wall;
                 let found = lap_things(wall, &closure, &adjustment, contacts, &self.chassis);
-                if self.cannot_be(&found, scene) {
-                    let at = found
-                        .first()
-                        .map_or(closure.from.pose.position, |thing| thing.outline.middle());
+                if let Some(at) = self.cannot_be(&found, scene) {
                     let again = round.beside(&self.chassis);
                     self.go_astray(at, round.drive, again, scene);
                     return None;

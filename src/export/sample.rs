@@ -99,6 +99,7 @@ pub(crate) fn room() -> Sample {
         laps: 1,
         squared: None,
         taped: None,
+        taken_away: 0,
         doubted: Vec::new(),
     };
     Sample { map, settings, truth }

@@ -77,6 +77,8 @@ pub struct Circuit {
     led_from: Option<Point>,
     /// How often the lap began anew.
     begun_anew: u32,
+    /// A place in the room; none when that is where the run began.
+    within: Option<Point>,
 }
 
 impl Circuit {
@@ -98,6 +100,7 @@ impl Circuit {
             pocket: None,
             led_from: None,
             begun_anew: 0,
+            within: None,
         }
     }
 
@@ -105,6 +108,12 @@ impl Circuit {
     #[must_use]
     pub fn with_any_drift(self) -> Self {
         Self { drifts: Drifts::new(true), ..self }
+    }
+
+    /// The same in the room that holds this place; none for the one that the run began in.
+    #[must_use]
+    pub fn within(self, within: Option<Point>) -> Self {
+        Self { within, ..self }
     }
 
     /// The same where `known` things stand: a gap beside one of them is gone through as long as the body

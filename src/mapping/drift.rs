@@ -124,6 +124,11 @@ impl Drifts {
         Self { begun: None, last: nowhere, seen: 0.0, all }
     }
 
+    /// What it is from here on, as if nothing had been driven before.
+    pub fn begin_anew(&mut self) {
+        self.begun = None;
+    }
+
     /// The robot is at `pose`, having moved for `active` seconds since its beginning.
     pub fn follow(&mut self, pose: Pose, active: f64) {
         let Some(begun) = self.begun else {

@@ -319,11 +319,17 @@ pub fn stretches(path: &[PathPoint]) -> impl Iterator<Item = &[PathPoint]> {
     path.chunk_by(|_, next| !next.carried)
 }
 
+/// Whether no number was taken away, and none needs to be written.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_zero(number: &u32) -> bool {
+    *number == 0
+}
+
 impl RoomMap {
     /// The number of the next object.
     #[must_use]
     pub fn next_id(&self) -> u32 {
-        self.objects.last().map_or(0, |object| object.id) + 1
+        self.objects.iter().map(|object| object.id).fold(self.taken_away, u32::max) + 1
     }
 
     /// The map with its nearly right angles right, if it has any.
@@ -378,6 +384,9 @@ pub struct RoomMap {
     /// What a taped length made of the map, if one was given and fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taped: Option<Taped>,
+    /// The highest number of an object that was taken away again: no other gets it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub taken_away: u32,
     /// Switches that gave themselves away as broken, and were not listened to from then on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubted: Vec<Doubted>,

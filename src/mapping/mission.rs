@@ -14,7 +14,7 @@ use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
 use super::map::{Contact, Phase, RoomMap};
 use super::odometry::Tracker;
-use super::relocate::Relocation;
+use super::relocate::{About, Relocation};
 use super::retrace::{Beside, Retrace};
 use super::search::Search;
 use super::settings::Settings;
@@ -55,7 +55,7 @@ enum Task {
     Shape,
     Plan,
     Tour(Box<Tour>),
-    /// The robot was carried off from its tour and looks for its place.
+    /// The robot was carried off from its tour, or doubts its place on it, and looks for it.
     Relocate(Box<Relocation>, Box<Tour>),
     Over,
 }
@@ -65,10 +65,8 @@ enum Task {
 struct Lost {
     /// Place of the trajectory from which on that is so.
     since: usize,
-    /// About where it is is known: the operator said so, or it was not carried.
-    told: bool,
-    /// It found out by itself, by what it met.
-    doubts: bool,
+    /// What is known about where it is.
+    about: About,
     /// Nothing more can be done without the operator's word.
     waits: bool,
 }

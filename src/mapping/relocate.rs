@@ -1,18 +1,19 @@
-//! Finding the robot's place again, after it was carried or started anew: it looks for a wall, follows
-//! it, and what it sees on the way is laid on the map until one place only is left that looks so.
+//! Finding the robot's place again, after it was carried or started anew, or when what it meets cannot be
+//! where it believes it is: it looks for a wall, follows it, and what it sees on the way is laid on the map
+//! until one place only is left that looks so.
 //!
-//! Until then its pose is in a frame of its own. A room that looks the same from two places is told
-//! by the operator's word, if there is one; without it the robot stands still and asks.
+//! Until then its pose is in a frame of its own. A room that looks the same from two places is told by
+//! where the robot is about, if that is known: by the operator's word, or since it only doubts. A carried
+//! robot without it stands still and asks.
 
 pub mod recognise;
 
 use super::event::EventKind;
-use super::follow::{Ask, AtRest};
+use super::follow::{Ask, AtRest, Side};
 use super::map::{ContactKind, RoomMap};
 use super::odometry::Tracker;
 use super::search::{Next, Search};
 use super::settings::Settings;
-use super::tour::Astray;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Pose, Ring, angle};
 use recognise::{Landmarks, Place, Seen, put};
@@ -22,7 +23,32 @@ const LOOK: f64 = 0.4;
 /// Two looks in a row that differ by no more than this found the same place: metres, radians.
 const STEADY: (f64, f64) = (0.06, 0.05);
 /// The operator's word on where the robot was put is believed to this: metres, radians.
-const ABOUT: (f64, f64) = (0.7, 0.7);
+const TOLD: (f64, f64) = (0.7, 0.7);
+/// A robot that doubts its place is within this of where it believes it is: pushed and turned a little, it
+/// may have driven on for long before it found out.
+const DOUBTED: (f64, f64) = (1.5, 0.7);
+
+/// What is known about the place of a robot that is looking for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum About {
+    /// Nothing: its pose is no more than a frame.
+    Nothing,
+    /// About where its pose is, by the operator's word.
+    Told,
+    /// About where its pose is, since it only doubts that.
+    Doubted,
+}
+
+impl About {
+    /// How far from its pose it may be, metres, radians.
+    fn within(self) -> Option<(f64, f64)> {
+        match self {
+            Self::Nothing => None,
+            Self::Told => Some(TOLD),
+            Self::Doubted => Some(DOUBTED),
+        }
+    }
+}
 
 /// What comes next.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,10 +66,9 @@ pub enum Seek {
 pub struct Relocation {
     search: Box<Search>,
     landmarks: Landmarks,
-    /// Where the robot believed it was when it began, in its own frame: by the operator's word, when
-    /// `told`.
+    /// Where the robot believed it was when it began, in its own frame, and what that says.
     from: Pose,
-    told: bool,
+    about: About,
     /// Metres travelled when the map was looked at last.
     looked: f64,
     /// What the look before this found.
@@ -54,21 +79,21 @@ pub struct Relocation {
 }
 
 impl Relocation {
-    /// Begins where `tracker` is, which was `told` by the operator or is no more than a frame.
+    /// Begins where `tracker` is, of which it is known `about` how far to believe it.
     #[must_use]
     pub fn new(
         settings: &Settings,
         outline: &Ring,
         objects: Vec<Ring>,
         tracker: &Tracker,
-        told: bool,
+        about: About,
     ) -> Self {
         let from = tracker.pose();
         Self {
             search: Box::new(Search::relocating(settings, from)),
             landmarks: Landmarks::new(outline, objects),
             from,
-            told,
+            about,
             looked: tracker.travelled(),
             before: None,
             seen: RoomMap::default(),
@@ -76,11 +101,11 @@ impl Relocation {
         }
     }
 
-    /// The same for a robot that is about where it believes it is, beside what it followed last.
+    /// The same for a robot that since `now_us` (robot time, microseconds) doubts its place, beside what it
+    /// followed last.
     #[must_use]
-    pub fn beside(self, settings: &Settings, astray: Astray) -> Self {
-        let Astray { side, wall } = astray;
-        let search = Search::relocating_beside(settings, self.from, side, wall);
+    pub fn beside(self, settings: &Settings, now_us: u64, followed: (Side, Wall)) -> Self {
+        let search = Search::relocating_beside(settings, (self.from, now_us), followed);
         Self { search: Box::new(search), ..self }
     }
 
@@ -126,7 +151,10 @@ impl Relocation {
             }
             self.before = found;
         }
-        match self.search.next(tracker, rest, &mut self.seen, tell) {
+        let mut told = Vec::new();
+        let next = self.search.next(tracker, rest, &mut self.seen, &mut told);
+        tell.extend(told.into_iter().filter(|kind| !names_object(kind)));
+        match next {
             Next::Go(ask) => Seek::Go(ask),
             Next::Found(..) => {
                 let seen = self.seen();
@@ -152,17 +180,29 @@ impl Relocation {
             .collect()
     }
 
-    /// The places of the map that look like what was `seen`: near where the operator says, if he does.
+    /// The places of the map that look like what was `seen`: near where it is about, if that is known.
     fn places(&self, seen: &[Seen]) -> Vec<Place> {
         let near = |at: Pose| {
-            (at.position - self.from.position).norm() < ABOUT.0
-                && angle::wrap(at.heading - self.from.heading).abs() < ABOUT.1
+            self.about.within().is_none_or(|(metres, radians)| {
+                (at.position - self.from.position).norm() < metres
+                    && angle::wrap(at.heading - self.from.heading).abs() < radians
+            })
         };
-        let mut places =
-            self.landmarks.places(seen, |onto| !self.told || near(put(onto, self.from)));
-        places.retain(|place| !self.told || near(place.of(self.from)));
+        let mut places = self.landmarks.places(seen, |onto| near(put(onto, self.from)));
+        places.retain(|place| near(place.of(self.from)));
         places
     }
+}
+
+/// Whether the number of an object is told, which on the way is of a map of its own.
+fn names_object(kind: &EventKind) -> bool {
+    matches!(
+        kind,
+        EventKind::ObjectClosed { .. }
+            | EventKind::ObjectApart { .. }
+            | EventKind::ObjectKnown { .. }
+            | EventKind::Detour { .. }
+    )
 }
 
 /// The one of `places` that it is: the only one, if it is sure.

@@ -75,14 +75,10 @@ impl Retrace {
     /// The lap that led to where the robot stands, the other way round, past the walls of `chart`.
     #[must_use]
     pub fn new(chassis: &Chassis, beside: &Beside, chart: Chart, tracker: &Tracker) -> Self {
-        let mut wall = Wall::new(chassis);
-        for seen in &beside.near {
-            wall.adopt(*seen);
-        }
         let mut follower = Follower::new(chassis, beside.side.other());
         follower.beside(chart.objects().cloned().collect());
         Self {
-            wall,
+            wall: Wall::of(chassis, beside.near.iter().copied()),
             chart,
             follower,
             length: beside.length,

@@ -1,20 +1,24 @@
 //! The Boundary phase (paper III.C): pick a direction, drive until something is met, go round it;
 //! if that was an object, pick another direction, until it was the boundary.
 
+mod lap;
+
+pub use lap::{lap_contacts, lap_things};
+
 use super::adjust::Adjustment;
 use super::circuit::{Circuit, Closure, Leg};
 use super::drift::Unwound;
 use super::event::{EventKind, Failure};
-use super::follow::{self, Ask, AtRest, STRIDE, Side};
+use super::follow::{Ask, AtRest, STRIDE, Side};
 use super::lay::Overlap;
-use super::map::{Contact, MappedObject, ObjectClass, RoomMap};
+use super::map::{Contact, MappedObject, RoomMap};
 use super::odometry::Tracker;
 use super::passing::{Passing, Way};
 use super::retreat::Retreat;
 use super::settings::Settings;
-use super::shape::{Thing, is_mapped, post, things};
-use super::wall::{Sighting, Wall};
-use crate::geometry::{Pose, angle};
+use super::shape::is_mapped;
+use super::wall::Wall;
+use crate::geometry::{Point, Pose, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -27,8 +31,6 @@ const MOST_POCKETS: usize = 2;
 const OVERLAP: f64 = 1.0;
 /// A contact this near a known object belongs to it, metres.
 const SAME_OBJECT: f64 = 0.08;
-/// The way round a post is no longer than this many times the circle about it.
-const POST_ROUNDS: f64 = 1.3;
 
 /// What the search is doing.
 #[derive(Debug, Clone)]
@@ -74,6 +76,9 @@ pub struct Search {
     earlier: Vec<(Closure, Wall)>,
     /// Whether a lap may be looked at without each drift that the gyro may have.
     any_drift: bool,
+    /// A place in the room, if that is not where the run began: in a frame of its own the robot knows no
+    /// other than where this frame begins.
+    within: Option<Point>,
 }
 
 impl Search {
@@ -92,21 +97,32 @@ impl Search {
             laps: 0,
             earlier: Vec::new(),
             any_drift: true,
+            within: None,
         }
     }
 
     /// The same by a robot that has mapped the room: what its gyro's drift is, is known by then.
     #[must_use]
     pub fn relocating(settings: &Settings, from: Pose) -> Self {
-        Self { any_drift: false, ..Self::new(settings, from) }
+        Self { any_drift: false, within: Some(from.position), ..Self::new(settings, from) }
     }
 
-    /// The same by a robot that follows something already, with what it saw of it.
+    /// The same by a robot that since `begun_us` (robot time, microseconds) is beside something, with what
+    /// it saw of that.
     #[must_use]
-    pub fn relocating_beside(settings: &Settings, from: Pose, side: Side, wall: Wall) -> Self {
-        let circuit = Circuit::new(&settings.chassis, side, wall, OVERLAP);
-        let doing = Doing::Lapping(Box::new(circuit));
-        Self { doing, ..Self::relocating(settings, from) }
+    pub fn relocating_beside(
+        settings: &Settings,
+        (from, begun_us): (Pose, u64),
+        (side, wall): (Side, Wall),
+    ) -> Self {
+        let search = Self::relocating(settings, from);
+        let circuit = search.circuit_round(side, wall);
+        Self { doing: Doing::Lapping(Box::new(circuit)), line_begun_us: begun_us, ..search }
+    }
+
+    fn circuit_round(&self, side: Side, wall: Wall) -> Circuit {
+        let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).within(self.within);
+        if self.any_drift { circuit.with_any_drift() } else { circuit }
     }
 
     /// Laps closed so far.
@@ -323,9 +339,7 @@ impl Search {
         } else {
             tell.push(EventKind::ContactGained { by });
             let known = map.objects.iter().map(|object| object.outline.clone()).collect();
-            let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).beside(known);
-            let circuit = if self.any_drift { circuit.with_any_drift() } else { circuit };
-            Doing::Lapping(Box::new(circuit))
+            Doing::Lapping(Box::new(self.circuit_round(side, wall).beside(known)))
         };
         None
     }
@@ -364,52 +378,4 @@ impl Search {
 fn side_of(chassis: &Chassis, sensor: usize) -> Side {
     let bearing = chassis.sensors[sensor].angle;
     if bearing < -0.5 && bearing > 0.1 - angle::PI { Side::Right } else { Side::Left }
-}
-
-/// The things that one lap, adjusted, went round; `contacts` are those of [`lap_contacts`]. A post is
-/// known by all that was seen of it rather than by contacts.
-#[must_use]
-pub fn lap_things(
-    wall: &Wall,
-    closure: &Closure,
-    adjustment: &Adjustment,
-    contacts: Vec<Contact>,
-    chassis: &Chassis,
-) -> Vec<Thing> {
-    let around = 2.0 * angle::PI * (follow::clearance(chassis) + post::MOST_RADIUS);
-    if closure.length() < POST_ROUNDS * around {
-        let seen: Vec<Sighting> =
-            wall.log().iter().filter(|seen| closure.holds(seen.travelled)).copied().collect();
-        let place = |point, time_us| adjustment.place(point, time_us);
-        if let Some(outline) = post::post(&seen, chassis, place) {
-            return vec![Thing { outline, class: ObjectClass::Circle, contacts }];
-        }
-    }
-    things(contacts, chassis)
-}
-
-/// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to
-/// something else and is left out.
-#[must_use]
-pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Vec<Contact> {
-    let towards = |seen: &Sighting| {
-        let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
-        seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
-    };
-    let mut contacts: Vec<Contact> = wall
-        .surfaces()
-        .filter(|seen| towards(seen))
-        .filter(|seen| closure.holds(seen.travelled))
-        .map(|seen| {
-            let mut contact = seen.contact();
-            contact.point = adjustment.place(contact.point, seen.time_us);
-            contact.from = adjustment.place(contact.from, seen.time_us);
-            contact
-        })
-        .collect();
-    // The fit expects the floor on the right of the order, as it is with the wall on the left.
-    if closure.side == Side::Right {
-        contacts.reverse();
-    }
-    contacts
 }

@@ -337,18 +337,30 @@ impl Tour {
         Some(retreat)
     }
 
-    /// The robot was carried off: what it was doing is left undone, and its line is driven again.
+    /// The robot was carried off, or is astray: what it was doing is left undone, and its line is driven again.
     pub fn interrupt(&mut self, map: &mut RoomMap) {
         self.wall = Wall::new(&self.chassis);
         self.look_next = None;
         self.to_tie = None;
-        let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => return,
+        let suspended = self.suspended.take().map(|drive| *drive);
+        for drive in suspended.into_iter().chain(self.in_hand()) {
+            self.undo(&drive, map);
+        }
+    }
+
+    /// What is being driven, taken out of hand.
+    fn in_hand(&mut self) -> Option<Drive> {
+        match std::mem::replace(&mut self.doing, Doing::Choosing) {
+            Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => None,
             Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
-                *drive
+                Some(*drive)
             }
-            Doing::Rounding(round) => round.into_drive(),
-        };
+            Doing::Rounding(round) => Some(round.into_drive()),
+        }
+    }
+
+    /// A line that was begun is driven from its beginning once more.
+    fn undo(&mut self, drive: &Drive, map: &mut RoomMap) {
         if drive.purpose != Purpose::Line {
             return;
         }
@@ -363,13 +375,7 @@ impl Tour {
 
     /// The line in hand is at an end: nothing on it leads anywhere.
     fn give_up(&mut self, scene: &mut Scene<'_>) {
-        let drive = match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => return,
-            Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
-                *drive
-            }
-            Doing::Rounding(round) => round.into_drive(),
-        };
+        let Some(drive) = self.in_hand() else { return };
         self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
     }
 

@@ -183,9 +183,12 @@ impl Wall {
         seen
     }
 
-    /// Takes over a sighting that belongs to this wall.
-    pub fn adopt(&mut self, seen: Sighting) {
-        self.push(seen);
+    /// One of which `seen` is known already.
+    #[must_use]
+    pub fn of(chassis: &Chassis, seen: impl IntoIterator<Item = Sighting>) -> Self {
+        let mut wall = Self::new(chassis);
+        seen.into_iter().for_each(|seen| wall.push(seen));
+        wall
     }
 
     fn push(&mut self, seen: Sighting) {

@@ -63,7 +63,7 @@ impl Circuit {
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
         if lost && self.begun_anew < MOST_BEGINNINGS {
             let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
-            self.begin_anew(begun.position);
+            self.begin_anew(self.within.unwrap_or(begun.position));
             return false;
         }
         lost || too_long
@@ -78,6 +78,7 @@ impl Circuit {
         self.passed.clear();
         self.candidates.clear();
         self.trail.clear();
+        self.drifts.begin_anew();
         self.previous = None;
         self.pocket = None;
         self.squeezing = None;

@@ -5,7 +5,7 @@ use super::{Lost, Mission, Outcome, Output, Task};
 use crate::geometry::{Pose, Ring};
 use crate::mapping::event::EventKind;
 use crate::mapping::relocate::recognise::Place;
-use crate::mapping::relocate::{Relocation, Seek};
+use crate::mapping::relocate::{About, Relocation, Seek};
 use crate::mapping::search::Search;
 use crate::mapping::tour::{Astray, Tour};
 use crate::robot::DoneReason;
@@ -23,26 +23,26 @@ impl Mission {
         }
         self.tell(EventKind::Carried, out);
         self.survey.started_anew();
-        let told = near.is_some();
+        let about = if near.is_some() { About::Told } else { About::Nothing };
         match (std::mem::replace(&mut self.task, Task::Over), near) {
             (Task::Search(_), Some(near)) => self.begin_anew(near, out),
             (task @ Task::Search(_), None) => {
                 self.task = task;
-                self.lose(told);
+                self.lose(about);
                 self.wait_for_word(EventKind::PlaceNeeded, out);
             }
             (Task::Tour(mut tour) | Task::Relocate(_, mut tour), _) => {
                 tour.interrupt(&mut self.map);
                 self.task = Task::Tour(tour);
-                self.lose(told);
+                self.lose(about);
             }
             (Task::Retrace(_), _) => {
                 self.end_boundary(out);
-                self.lose(told);
+                self.lose(about);
             }
             (task @ (Task::Shape | Task::Plan | Task::Over), _) => {
                 self.task = task;
-                self.lose(told);
+                self.lose(about);
             }
         }
         if let (Some(near), true) = (near, self.lost.is_some()) {
@@ -68,17 +68,22 @@ impl Mission {
         self.tell(why, out);
     }
 
-    fn lose(&mut self, told: bool) {
+    fn lose(&mut self, about: About) {
         let since = self.lost.map_or(self.tracker.path().len(), |lost| lost.since);
-        self.lost = Some(Lost { since, told, doubts: false, waits: false });
+        self.lost = Some(Lost { since, about, waits: false });
     }
 
     /// What the robot met cannot be where it believes it is: it looks for its place, from beside that.
     pub(super) fn go_astray(&mut self, tour: Box<Tour>, astray: Astray, out: &mut Vec<Output>) {
         self.tell(EventKind::Astray { at: self.tracker.pose().position }, out);
         let since = self.tracker.path().len();
-        self.lost = Some(Lost { since, told: true, doubts: true, waits: false });
-        let relocation = self.relocation(&tour).beside(&self.settings, astray);
+        self.lost = Some(Lost { since, about: About::Doubted, waits: false });
+        // The round that gave it away may have corrected the pose at its end.
+        self.rest.pose = self.tracker.pose();
+        let mut relocation = self.relocation(&tour);
+        if let Some(beside) = astray.beside {
+            relocation = relocation.beside(&self.settings, self.tracker.time_us(), beside);
+        }
         self.relocate(Box::new(relocation), tour, out);
     }
 
@@ -88,12 +93,12 @@ impl Mission {
     }
 
     fn relocation(&self, tour: &Tour) -> Relocation {
-        let told = self.lost.is_some_and(|lost| lost.told);
+        let about = self.lost.map_or(About::Nothing, |lost| lost.about);
         let chart = tour.chart();
         let closed = self.map.objects.iter().zip(chart.objects());
         let objects: Vec<Ring> =
             closed.filter(|(object, _)| object.closed).map(|(_, ring)| ring.clone()).collect();
-        Relocation::new(&self.settings, chart.outline(), objects, &self.tracker, told)
+        Relocation::new(&self.settings, chart.outline(), objects, &self.tracker, about)
     }
 
     pub(super) fn relocate(
@@ -102,7 +107,7 @@ impl Mission {
         mut tour: Box<Tour>,
         out: &mut Vec<Output>,
     ) {
-        let doubts = self.lost.is_some_and(|lost| lost.doubts);
+        let doubts = self.lost.is_some_and(|lost| lost.about == About::Doubted);
         let mut told = Vec::new();
         let seek = relocation.next(&mut self.tracker, &self.rest, &mut told);
         self.rest.pose = self.tracker.pose();

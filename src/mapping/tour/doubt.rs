@@ -36,13 +36,12 @@ const SOME: f64 = 0.15;
 /// Doubts at most, so that a tour always ends.
 const MOST_DOUBTS: usize = 24;
 
-/// A robot that is astray beside something that it follows: on which hand, and what it saw of it.
+/// A robot that is astray: on which hand it follows what, with what it saw of that; none when it is beside
+/// nothing.
 #[derive(Debug, Clone)]
 pub struct Astray {
-    /// The hand.
-    pub side: Side,
-    /// The contacts.
-    pub wall: Wall,
+    /// The hand, and the contacts.
+    pub beside: Option<(Side, Wall)>,
 }
 
 /// A place where something was met that cannot be there.
@@ -186,6 +185,7 @@ impl Tour {
         for index in (0..wrong.len()).rev().filter(|index| wrong[*index]) {
             self.chart.remove(index);
             let id = scene.map.objects.remove(index).id;
+            scene.map.taken_away = scene.map.taken_away.max(id);
             scene.tell.push(EventKind::ObjectRefuted { id });
             self.floor = None;
         }
@@ -206,19 +206,19 @@ impl Tour {
         self.doubts.len() < MOST_DOUBTS && !self.was_doubted(p)
     }
 
-    /// Leaves what it was doing: the robot is astray beside what it follows with `wall` on its `side`, since
-    /// that cannot be at `p`. The line in hand is driven again.
+    /// Leaves what it was doing: the robot is astray, since what it is `beside`, or has come from, cannot be
+    /// at `p`. The line in hand is driven again.
     pub(super) fn go_astray(
         &mut self,
         p: Point,
         drive: Box<Drive>,
-        (side, wall): (Side, Wall),
+        beside: Option<(Side, Wall)>,
         scene: &mut Scene<'_>,
     ) {
         self.doubts.push(Doubt { at: p, settled: false });
         self.doing = Doing::Driving(drive);
         self.interrupt(scene.map);
-        self.astray = Some(Box::new(Astray { side, wall }));
+        self.astray = Some(Box::new(Astray { beside }));
     }
 }
 

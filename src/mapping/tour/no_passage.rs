@@ -86,6 +86,11 @@ impl Tour {
         if round.circuit.side() == Side::Right {
             contacts.reverse();
         }
+        if let Some(at) = self.cannot_be_there(&contacts, scene) {
+            let beside = round.beside(&self.chassis);
+            self.go_astray(at, round.drive, Some(beside), scene);
+            return None;
+        }
         let tie = here(scene);
         if self.is_known(&contacts) {
             // It leads nowhere to go round it once more.

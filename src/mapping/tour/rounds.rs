@@ -45,10 +45,9 @@ impl Tour {
         // Right or centre: anti-clockwise, the robot turns left and keeps it on its right (III.F).
         let side = if bearing > 0.1 { Side::Left } else { Side::Right };
         drive.way.clear();
-        let mut wall = Wall::new(&self.chassis);
-        wall.adopt(seen);
+        let wall = Wall::of(&self.chassis, [seen]);
         if self.cannot_be_at(seen.point, scene) {
-            self.go_astray(seen.point, drive, (side, wall), scene);
+            self.go_astray(seen.point, drive, Some((side, wall)), scene);
             return None;
         }
         scene.tell.push(EventKind::ObjectFound { id, by });
@@ -87,7 +86,9 @@ impl Tour {
                 let mut contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let seen = things(contacts.clone(), &self.chassis);
                 adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
+                let before = scene.tracker.pose();
                 let hung = round.close(&overlap, scene);
+                let after = scene.tracker.pose();
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.
                     for contact in &contacts {
@@ -108,8 +109,10 @@ impl Tour {
                 let wall = &round.circuit.wall;
                 let found = lap_things(wall, &closure, &adjustment, contacts, &self.chassis);
                 if let Some(at) = self.cannot_be(&found, scene) {
-                    let again = round.beside(&self.chassis);
-                    self.go_astray(at, round.drive, again, scene);
+                    // What it is beside was seen before the round had closed.
+                    let near = round.circuit.wall.near().map(|seen| seen.moved(&before, &after));
+                    let beside = (round.circuit.side(), Wall::of(&self.chassis, near));
+                    self.go_astray(at, round.drive, Some(beside), scene);
                     return None;
                 }
                 self.refute(&found, since, scene);
@@ -136,8 +139,8 @@ impl Tour {
         let off = round.circuit.wall.surfaces().filter(|seen| self.is_off_boundary(seen, KNOWN));
         let contacts: Vec<Contact> = off.map(Sighting::contact).collect();
         if let Some(at) = self.cannot_be_there(&contacts, scene) {
-            let again = round.beside(&self.chassis);
-            self.go_astray(at, round.drive, again, scene);
+            let beside = round.beside(&self.chassis);
+            self.go_astray(at, round.drive, Some(beside), scene);
             return None;
         }
         scene.tell.push(EventKind::ObjectOpen { id: round.id, why });
@@ -240,8 +243,14 @@ impl Tour {
                     if side == Side::Right {
                         contacts.reverse();
                     }
+                    let found = things(contacts, &self.chassis);
+                    if let Some(at) = self.cannot_be(&found, scene) {
+                        // It is past it, and beside nothing.
+                        self.go_astray(at, pass.drive, None, scene);
+                        return None;
+                    }
                     let hung = Hung::Once(here(scene));
-                    self.record_round(things(contacts, &self.chassis), &hung, scene);
+                    self.record_round(found, &hung, scene);
                 } else {
                     self.halves.push((pass.drive.id, Half { side, contacts: seen }));
                     pass.drive.again = true;
@@ -300,11 +309,7 @@ impl Round {
 
     /// On which hand it follows what, with what is near.
     pub(super) fn beside(&self, chassis: &Chassis) -> (Side, Wall) {
-        let mut wall = Wall::new(chassis);
-        for seen in self.circuit.wall.near() {
-            wall.adopt(*seen);
-        }
-        (self.circuit.side(), wall)
+        (self.circuit.side(), Wall::of(chassis, self.circuit.wall.near().copied()))
     }
 
     /// The line it interrupted.

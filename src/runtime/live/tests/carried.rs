@@ -219,3 +219,60 @@ fn many_carried() {
         }
     }
 }
+
+/// Runs with noise whose robot is pushed aside during its tour: how far off the robot believes it is at the
+/// end, and how many objects there are on the map and in the room.
+/// `cargo test --release -- --ignored many_pushed --nocapture`
+#[test]
+#[ignore = "minutes; prints a table"]
+fn many_pushed() {
+    let worlds = [
+        ("l_room", include_str!("../../../../sims/l_room.toml")),
+        ("flat", include_str!("../../../../sims/flat.toml")),
+        ("u_room", include_str!("../../../../sims/u_room.toml")),
+        ("objects", include_str!("../../../../sims/objects.toml")),
+    ];
+    for (name, text) in worlds {
+        let world = World::from_toml(text, name, 0.1).expect("a world");
+        for trial in 0..16_u64 {
+            let noise = NoiseProfile::Calibrated;
+            let mut rig = rig_in(&world, noise, Faults::default(), trial, (true, None));
+            assert!(rig.until(4000.0, is_touring));
+            let later = rig.now + 40.0 * trial as f64;
+            rig.until(later, |rig| rig.now > later);
+            push(&mut rig, &world, 0.8 * trial as f64);
+            let pushed = off(&rig);
+            rig.until(9000.0, |rig| rig.run.ending().is_some());
+            let session = rig.run.session().expect("a session");
+            let objects = session.mission().map().objects.len();
+            let known = world.objects.len();
+            for o in &session.mission().map().objects {
+                if objects != known {
+                    println!(
+                        "  {:?} closed {} at {:?} around {:.2}, true {:.3}",
+                        o.class,
+                        o.closed,
+                        o.outline.middle(),
+                        o.outline.perimeter(),
+                        world
+                            .objects
+                            .iter()
+                            .map(|t| (t.ring.middle() - o.outline.middle()).norm())
+                            .fold(9.0, f64::min)
+                    );
+                }
+            }
+            if objects != known {
+                for e in session.events() {
+                    println!("    {:.0} {}", e.time_us as f64 * 1e-6, e.kind);
+                }
+            }
+            println!(
+                "{name} {trial}: pushed {pushed:.3} m; {:.3} m off at the end; worst corner {:.3}; {objects} objects of {known}; {:?}",
+                off(&rig),
+                worst_corner(&rig, &world),
+                rig.run.ending().map(|ending| ending.outcome)
+            );
+        }
+    }
+}

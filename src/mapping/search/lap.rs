@@ -1,0 +1,61 @@
+//! What one closed lap says: the contacts of what it went round, and the things that these are.
+
+use crate::geometry::angle;
+use crate::mapping::adjust::Adjustment;
+use crate::mapping::circuit::Closure;
+use crate::mapping::follow::{self, Side};
+use crate::mapping::map::{Contact, ObjectClass};
+use crate::mapping::shape::{Thing, post, things};
+use crate::mapping::wall::{Sighting, Wall};
+use crate::robot::Chassis;
+
+/// The way round a post is no longer than this many times the circle about it.
+const POST_ROUNDS: f64 = 1.3;
+
+/// The things that one lap, adjusted, went round; `contacts` are those of [`lap_contacts`]. A post is
+/// known by all that was seen of it rather than by contacts.
+#[must_use]
+pub fn lap_things(
+    wall: &Wall,
+    closure: &Closure,
+    adjustment: &Adjustment,
+    contacts: Vec<Contact>,
+    chassis: &Chassis,
+) -> Vec<Thing> {
+    let around = 2.0 * angle::PI * (follow::clearance(chassis) + post::MOST_RADIUS);
+    if closure.length() < POST_ROUNDS * around {
+        let seen: Vec<Sighting> =
+            wall.log().iter().filter(|seen| closure.holds(seen.travelled)).copied().collect();
+        let place = |point, time_us| adjustment.place(point, time_us);
+        if let Some(outline) = post::post(&seen, chassis, place) {
+            return vec![Thing { outline, class: ObjectClass::Circle, contacts }];
+        }
+    }
+    things(contacts, chassis)
+}
+
+/// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to
+/// something else and is left out.
+#[must_use]
+pub fn lap_contacts(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Vec<Contact> {
+    let towards = |seen: &Sighting| {
+        let bearing = angle::wrap(seen.beam - seen.pose.heading) * closure.side.sign();
+        seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
+    };
+    let mut contacts: Vec<Contact> = wall
+        .surfaces()
+        .filter(|seen| towards(seen))
+        .filter(|seen| closure.holds(seen.travelled))
+        .map(|seen| {
+            let mut contact = seen.contact();
+            contact.point = adjustment.place(contact.point, seen.time_us);
+            contact.from = adjustment.place(contact.from, seen.time_us);
+            contact
+        })
+        .collect();
+    // The fit expects the floor on the right of the order, as it is with the wall on the left.
+    if closure.side == Side::Right {
+        contacts.reverse();
+    }
+    contacts
+}

@@ -292,6 +292,11 @@ pub enum EventKind {
         /// Its number.
         id: u32,
     },
+    /// What was done since the robot's place was last sure does not count.
+    TakenBack {
+        /// Lines that are driven again.
+        lines: usize,
+    },
     /// Its place was not found by what is there: it goes on where it believes it is.
     StillAstray,
     /// With no boundary to know the place by, the lap begins anew; this many objects are dropped.

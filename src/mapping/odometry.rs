@@ -203,6 +203,18 @@ impl Tracker {
         self.settle(there(self.pose));
     }
 
+    /// Where the robot was after `from_us` and until `to_us` (robot time, microseconds) is not known after all:
+    /// that part of the trajectory is left out.
+    pub fn forget(&mut self, from_us: u64, to_us: u64) {
+        let first = self.path.partition_point(|point| point.time_us <= from_us);
+        let end = self.path.partition_point(|point| point.time_us <= to_us).max(first);
+        self.path.drain(first..end);
+        if let Some(next) = self.path.get_mut(first) {
+            next.carried = true;
+        }
+        self.settle(self.pose);
+    }
+
     /// Begins anew at `pose`: what was driven before does not count.
     pub fn begin_anew(&mut self, pose: Pose) {
         self.path.clear();

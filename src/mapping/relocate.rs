@@ -76,6 +76,7 @@ pub struct Relocation {
     /// The map in the robot's own frame: things gone round on the way, so that none is twice.
     seen: RoomMap,
     begun: f64,
+    begun_us: u64,
 }
 
 impl Relocation {
@@ -98,14 +99,15 @@ impl Relocation {
             before: None,
             seen: RoomMap::default(),
             begun: tracker.travelled(),
+            begun_us: tracker.time_us(),
         }
     }
 
-    /// The same for a robot that since `now_us` (robot time, microseconds) doubts its place, beside what it
-    /// followed last.
+    /// The same for a robot that doubts its place, beside what it `followed` last.
     #[must_use]
-    pub fn beside(self, settings: &Settings, now_us: u64, followed: (Side, Wall)) -> Self {
-        let search = Search::relocating_beside(settings, (self.from, now_us), followed);
+    pub fn beside(self, settings: &Settings, followed: (Side, Wall)) -> Self {
+        let from = (self.from, self.begun_us);
+        let search = Search::relocating_beside(settings, from, followed);
         Self { search: Box::new(search), ..self }
     }
 
@@ -124,6 +126,12 @@ impl Relocation {
     #[must_use]
     pub fn driven(&self, tracker: &Tracker) -> f64 {
         tracker.travelled() - self.begun
+    }
+
+    /// When it began, microseconds of robot time.
+    #[must_use]
+    pub fn begun_us(&self) -> u64 {
+        self.begun_us
     }
 
     /// The robot came to rest: what next?

@@ -17,6 +17,7 @@ mod line;
 mod no_passage;
 mod recognise;
 mod rounds;
+mod sureness;
 mod ties;
 
 use super::chart::Chart;
@@ -38,6 +39,7 @@ use doubt::Doubt;
 use drive::{Drive, Purpose};
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
+use sureness::Sureness;
 use ties::{Shuttle, Span};
 
 /// The centre keeps this beyond the body's radius from everything on a way, metres.
@@ -115,6 +117,8 @@ pub struct Tour {
     shut_in: Vec<Point>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
+    /// Since when the robot's place is not sure beyond doubt, and what was done since.
+    sure: Sureness,
     /// Where something was met that could not be there.
     doubts: Vec<Doubt>,
     /// What it was beside when it doubted its place last, until that is handed out.
@@ -168,6 +172,7 @@ impl Tour {
             tied: Vec::new(),
             shut_in: Vec::new(),
             fixed_by: None,
+            sure: Sureness::default(),
             doubts: Vec::new(),
             astray: None,
         }
@@ -210,7 +215,12 @@ impl Tour {
         if self.goes_round() {
             return None;
         }
+        let (off, whose) = self.chart.distance(seen.point);
         let fixed = self.chart.fix(survey, pose, seen)?;
+        // An object may have been mapped by a robot that was astray already.
+        if whose.is_none() {
+            self.sure.touched(seen, off);
+        }
         self.fixed_by = Some(seen.time_us);
         Some(fixed)
     }
@@ -296,7 +306,11 @@ impl Tour {
                         return Some(ask);
                     }
                 }
-                Doing::Feeling(feeling) => return Some(self.feel(feeling, &scene.rest)),
+                Doing::Feeling(feeling) => {
+                    if let Some(ask) = self.feel(feeling, scene) {
+                        return Some(ask);
+                    }
+                }
                 Doing::Tying(shuttle) => {
                     if let Some(ask) = self.shuttle(shuttle, reason.take(), scene) {
                         return Some(ask);
@@ -384,6 +398,9 @@ impl Tour {
             && let Some(drive) = self.bearings(scene)
         {
             return Some(drive);
+        }
+        if !self.begun {
+            self.sure.at(scene.tracker.time_us());
         }
         self.begun = true;
         if let Some(drive) = self.suspended.take() {

@@ -181,6 +181,10 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
              ({:.2}, {:.2}), and looks for its place",
             at.x, at.y
         ),
+        EventKind::TakenBack { lines } => write!(
+            f,
+            "what was done since its place was last sure does not count; lines driven again: {lines}"
+        ),
         EventKind::StillAstray => f.write_str(
             "its place is not to be told from what is here: it goes on where it believes it is",
         ),
@@ -313,6 +317,7 @@ impl fmt::Display for EventKind {
             Self::Recognised { object, off } => recognised(f, *object, *off),
             Self::Carried
             | Self::Astray { .. }
+            | Self::TakenBack { .. }
             | Self::StillAstray
             | Self::BegunAnew { .. }
             | Self::PlaceFound { .. }

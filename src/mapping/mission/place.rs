@@ -4,6 +4,7 @@
 use super::{Lost, Mission, Outcome, Output, Task};
 use crate::geometry::{Pose, Ring};
 use crate::mapping::event::EventKind;
+use crate::mapping::map::MappedObject;
 use crate::mapping::relocate::recognise::Place;
 use crate::mapping::relocate::{About, Relocation, Seek};
 use crate::mapping::search::Search;
@@ -13,6 +14,9 @@ use crate::robot::DoneReason;
 /// The pose is never surer than this beside the walls it was found by, metres and radians: they are
 /// ragged, and neighbouring contacts err together.
 const SUREST: (f64, f64) = (0.02, 0.01);
+
+/// A robot that was this far off is not where it was believed to be for no more than drift, metres.
+const ASTRAY_BY: f64 = 0.15;
 
 impl Mission {
     /// The robot stands elsewhere, about at `near` if anybody knows; false while it moves or when the
@@ -82,7 +86,7 @@ impl Mission {
         self.rest.pose = self.tracker.pose();
         let mut relocation = self.relocation(&tour);
         if let Some(beside) = astray.beside {
-            relocation = relocation.beside(&self.settings, self.tracker.time_us(), beside);
+            relocation = relocation.beside(&self.settings, beside);
         }
         self.relocate(Box::new(relocation), tour, out);
     }
@@ -95,9 +99,14 @@ impl Mission {
     fn relocation(&self, tour: &Tour) -> Relocation {
         let about = self.lost.map_or(About::Nothing, |lost| lost.about);
         let chart = tour.chart();
-        let closed = self.map.objects.iter().zip(chart.objects());
+        // What it mapped since its place was last sure may be where it is not.
+        let until = if about == About::Doubted { tour.sure_us() } else { u64::MAX };
+        let known = |object: &MappedObject| {
+            object.closed && object.contacts.first().is_some_and(|seen| seen.time_us() <= until)
+        };
+        let all = self.map.objects.iter().zip(chart.objects());
         let objects: Vec<Ring> =
-            closed.filter(|(object, _)| object.closed).map(|(_, ring)| ring.clone()).collect();
+            all.filter(|(object, _)| known(object)).map(|(_, ring)| ring.clone()).collect();
         Relocation::new(&self.settings, chart.outline(), objects, &self.tracker, about)
     }
 
@@ -121,10 +130,16 @@ impl Mission {
             }
             Seek::Found(place) => {
                 let driven = relocation.driven(&self.tracker);
+                let believed = self.tracker.pose().position;
                 self.found(&place, &tour);
+                let off = (self.tracker.pose().position - believed).norm();
                 if doubts {
                     tour.settle_doubt();
+                    if off > ASTRAY_BY {
+                        self.take_back(&relocation, &mut tour, out);
+                    }
                 }
+                tour.be_sure(self.tracker.time_us());
                 self.task = Task::Tour(tour);
                 let at = self.tracker.pose().position;
                 self.tell(EventKind::PlaceFound { at, driven }, out);
@@ -138,6 +153,16 @@ impl Mission {
                 self.task = Task::Tour(tour);
                 self.wait_for_word(EventKind::PlaceUnclear { places }, out);
             }
+        }
+    }
+
+    /// Takes back what was done since the robot's place was last sure, until it began to look for it.
+    fn take_back(&mut self, relocation: &Relocation, tour: &mut Tour, out: &mut Vec<Output>) {
+        self.tracker.forget(tour.sure_us(), relocation.begun_us());
+        let mut told = Vec::new();
+        tour.take_back(&mut self.map, &mut told);
+        for kind in told {
+            self.tell(kind, out);
         }
     }
 

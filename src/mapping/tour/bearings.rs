@@ -80,11 +80,13 @@ pub(super) struct Feeling {
     /// Metres to go at most, towards the first of them; none before it was faced.
     left: Option<f64>,
     most: f64,
+    /// One of them was not where it has to be.
+    missed: bool,
 }
 
 impl Feeling {
     fn new(walls: Vec<Vector>, most: f64) -> Self {
-        Self { walls: walls.into(), left: None, most }
+        Self { walls: walls.into(), left: None, most, missed: false }
     }
 
     /// The next motion of a robot with switch `front` ahead; none when there is no wall left to feel for.
@@ -96,6 +98,7 @@ impl Feeling {
         let closed = rest.closed.has(front);
         let seen = closed && self.walls.front().is_some_and(faced);
         if seen || stopped || self.left.is_some_and(|left| closed || left <= 0.0) {
+            self.missed |= !closed && !stopped;
             self.walls.pop_front();
             self.left = None;
         }
@@ -233,14 +236,25 @@ impl Tour {
         self.doing = Doing::Feeling(Feeling::new(walls, most));
     }
 
-    /// The next motion towards the walls; when they are met, or are not there, the turn.
-    pub(super) fn feel(&mut self, mut feeling: Feeling, rest: &AtRest) -> Ask {
-        let front = self.chassis.sensor_towards(0.0, FACING);
-        let Some(ask) = front.and_then(|front| feeling.next(rest, front)) else {
-            return self.look_round();
+    /// The next motion towards the walls, and the turn when they are met. One that is not where it has to be
+    /// makes the robot doubt its place: none then.
+    pub(super) fn feel(&mut self, mut feeling: Feeling, scene: &mut Scene<'_>) -> Option<Ask> {
+        let Some(front) = self.chassis.sensor_towards(0.0, FACING) else {
+            return Some(self.look_round());
         };
-        self.doing = Doing::Feeling(feeling);
-        ask
+        if let Some(ask) = feeling.next(&scene.rest, front) {
+            self.doing = Doing::Feeling(feeling);
+            return Some(ask);
+        }
+        let here = scene.rest.pose.position;
+        if feeling.missed && self.may_doubt(here) {
+            self.go_astray(here, None, scene);
+            return None;
+        }
+        if !feeling.missed {
+            self.sure.at(scene.tracker.time_us());
+        }
+        Some(self.look_round())
     }
 
     /// At the corner: a turn that leads every wall past at least two switches.

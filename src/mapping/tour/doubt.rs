@@ -4,11 +4,12 @@
 //! everything twice. It finds such contradictions and takes off the map what they show to be wrong; the
 //! robot's place is looked for by the mission, as after it was carried.
 
-use super::{Doing, Drive, Scene, Tour};
+use super::{Scene, Tour, finish};
 use crate::geometry::{Point, Ring};
 use crate::mapping::event::EventKind;
+use crate::mapping::floor::Coverage;
 use crate::mapping::follow::Side;
-use crate::mapping::map::{Contact, PathPoint};
+use crate::mapping::map::{Contact, LineStatus, MappedObject, PathPoint, RoomMap};
 use crate::mapping::shape::Thing;
 use crate::mapping::wall::Wall;
 
@@ -150,6 +151,44 @@ impl Tour {
         }
     }
 
+    /// When the robot's place was last sure beyond doubt, microseconds of robot time.
+    #[must_use]
+    pub fn sure_us(&self) -> u64 {
+        self.sure.since_us()
+    }
+
+    /// The robot's place is sure at `now_us`, microseconds of robot time.
+    pub fn be_sure(&mut self, now_us: u64) {
+        self.sure.at(now_us);
+    }
+
+    /// Takes back all that was done since the robot's place was last sure, since it was somewhere else by
+    /// then: objects leave the map, lines are driven again, and where it was is not known to be swept. What
+    /// was left open goes in any case: a robot that is astray takes a wall for something that it cannot go
+    /// round, and what is there is met again.
+    pub fn take_back(&mut self, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
+        let since = |object: &MappedObject| {
+            let late = |seen: &Contact| seen.time_us() > self.sure_us();
+            !object.closed || object.contacts.first().is_some_and(late)
+        };
+        let wrong: Vec<bool> = map.objects.iter().map(since).collect();
+        self.take_away(&wrong, map, tell);
+        let ended = self.sure.take_ended();
+        let lines = ended.len();
+        for (id, backwards) in ended.into_iter().rev() {
+            let lines = map.plan.iter_mut().flat_map(|plan| &mut plan.lines);
+            for line in lines.filter(|line| line.id == id) {
+                self.driven -= line.drive.map_or(0.0, |(a, b)| (b - a).norm());
+                finish(line, LineStatus::Planned, None);
+            }
+            self.halves.retain(|(half, _)| *half != id);
+            self.queue.push_front((id, backwards));
+        }
+        (self.covered, self.coverage) = (0, Coverage::new());
+        self.given_up.clear();
+        tell.push(EventKind::TakenBack { lines });
+    }
+
     /// Takes away again what was mapped while the robot was astray. Things that were doubted before, and gone
     /// round once more `since` (robot time, microseconds) from a place that was found anew, are where they are:
     /// what reaches into them, or stands where the robot went round them, is not.
@@ -167,7 +206,7 @@ impl Tour {
                 || found.iter().any(|thing| overlap(ring, &thing.outline, ERRS))
         };
         let wrong: Vec<bool> = self.chart.objects().map(refuted).collect();
-        self.take_away(&wrong, scene);
+        self.take_away(&wrong, scene.map, scene.tell);
     }
 
     /// Takes away what is twice on the map, and what lies beyond the room, now that all lines are driven;
@@ -176,17 +215,17 @@ impl Tour {
         let closed = scene.map.objects.iter().map(|object| object.closed);
         let rings: Vec<(&Ring, bool)> = self.chart.objects().zip(closed).collect();
         let wrong = impossible(self.chart.outline(), &rings);
-        self.take_away(&wrong, scene);
+        self.take_away(&wrong, scene.map, scene.tell);
         wrong.contains(&true)
     }
 
     /// Takes the objects away that are `wrong`.
-    fn take_away(&mut self, wrong: &[bool], scene: &mut Scene<'_>) {
+    fn take_away(&mut self, wrong: &[bool], map: &mut RoomMap, tell: &mut Vec<EventKind>) {
         for index in (0..wrong.len()).rev().filter(|index| wrong[*index]) {
             self.chart.remove(index);
-            let id = scene.map.objects.remove(index).id;
-            scene.map.taken_away = scene.map.taken_away.max(id);
-            scene.tell.push(EventKind::ObjectRefuted { id });
+            let id = map.objects.remove(index).id;
+            map.taken_away = map.taken_away.max(id);
+            tell.push(EventKind::ObjectRefuted { id });
             self.floor = None;
         }
     }
@@ -202,21 +241,19 @@ impl Tour {
         self.doubts.iter().any(|doubt| (doubt.at - p).norm() < SAME_PLACE)
     }
 
-    fn may_doubt(&self, p: Point) -> bool {
+    pub(super) fn may_doubt(&self, p: Point) -> bool {
         self.doubts.len() < MOST_DOUBTS && !self.was_doubted(p)
     }
 
     /// Leaves what it was doing: the robot is astray, since what it is `beside`, or has come from, cannot be
-    /// at `p`. The line in hand is driven again.
+    /// at `p`, or is not there. The line in hand is driven again.
     pub(super) fn go_astray(
         &mut self,
         p: Point,
-        drive: Box<Drive>,
         beside: Option<(Side, Wall)>,
         scene: &mut Scene<'_>,
     ) {
         self.doubts.push(Doubt { at: p, settled: false });
-        self.doing = Doing::Driving(drive);
         self.interrupt(scene.map);
         self.astray = Some(Box::new(Astray { beside }));
     }

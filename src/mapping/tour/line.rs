@@ -199,6 +199,7 @@ impl Tour {
             scene.map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
         if let Some(line) = line {
             finish(line, status, reason);
+            self.sure.ended(drive.id, drive.backwards, scene.tracker.time_us());
         }
         scene.tell.push(match reason {
             None => EventKind::LineDriven { id: drive.id },

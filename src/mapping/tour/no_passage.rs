@@ -2,7 +2,7 @@
 //! gone along the other way as well, and is what was seen from wall to wall.
 
 use super::rounds::{Round, here};
-use super::{Scene, Tour};
+use super::{Doing, Scene, Tour};
 use crate::geometry::Point;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
@@ -88,7 +88,8 @@ impl Tour {
         }
         if let Some(at) = self.cannot_be_there(&contacts, scene) {
             let beside = round.beside(&self.chassis);
-            self.go_astray(at, round.drive, Some(beside), scene);
+            self.doing = Doing::Driving(round.drive);
+            self.go_astray(at, Some(beside), scene);
             return None;
         }
         let tie = here(scene);

@@ -47,7 +47,8 @@ impl Tour {
         drive.way.clear();
         let wall = Wall::of(&self.chassis, [seen]);
         if self.cannot_be_at(seen.point, scene) {
-            self.go_astray(seen.point, drive, Some((side, wall)), scene);
+            self.doing = Doing::Driving(drive);
+            self.go_astray(seen.point, Some((side, wall)), scene);
             return None;
         }
         scene.tell.push(EventKind::ObjectFound { id, by });
@@ -112,7 +113,8 @@ impl Tour {
                     // What it is beside was seen before the round had closed.
                     let near = round.circuit.wall.near().map(|seen| seen.moved(&before, &after));
                     let beside = (round.circuit.side(), Wall::of(&self.chassis, near));
-                    self.go_astray(at, round.drive, Some(beside), scene);
+                    self.doing = Doing::Driving(round.drive);
+                    self.go_astray(at, Some(beside), scene);
                     return None;
                 }
                 self.refute(&found, since, scene);
@@ -140,7 +142,8 @@ impl Tour {
         let contacts: Vec<Contact> = off.map(Sighting::contact).collect();
         if let Some(at) = self.cannot_be_there(&contacts, scene) {
             let beside = round.beside(&self.chassis);
-            self.go_astray(at, round.drive, Some(beside), scene);
+            self.doing = Doing::Driving(round.drive);
+            self.go_astray(at, Some(beside), scene);
             return None;
         }
         scene.tell.push(EventKind::ObjectOpen { id: round.id, why });
@@ -246,7 +249,8 @@ impl Tour {
                     let found = things(contacts, &self.chassis);
                     if let Some(at) = self.cannot_be(&found, scene) {
                         // It is past it, and beside nothing.
-                        self.go_astray(at, pass.drive, None, scene);
+                        self.doing = Doing::Driving(pass.drive);
+                        self.go_astray(at, None, scene);
                         return None;
                     }
                     let hung = Hung::Once(here(scene));

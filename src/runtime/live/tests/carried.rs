@@ -82,22 +82,44 @@ fn push(rig: &mut Rig, world: &World, way: f64) {
     rig.body.push(Pose { position: to, heading: pose.heading + 0.12 });
 }
 
+/// What a robot that is pushed `way` during its tour, `later` seconds after its second line, has at the end:
+/// a place that it knows, and objects as there are in the room.
+fn pushed_and_right(world: &World, noise: NoiseProfile, seed: u64, (later, way): (f64, f64)) {
+    let mut rig = rig_in(world, noise, Faults::default(), seed, (true, None));
+    assert!(rig.until(4000.0, is_touring));
+    let later = rig.now + later;
+    rig.until(later, |rig| rig.now > later);
+    push(&mut rig, world, way);
+    assert!(off(&rig) > 0.25, "it is hardly pushed");
+    assert!(rig.until(9000.0, |rig| rig.run.ending().is_some()));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    let most = if noise == NoiseProfile::None { 0.03 } else { 0.06 };
+    assert!(off(&rig) < most, "{seed}: {} m off at the end", off(&rig));
+    let map = rig.run.session().expect("a session").mission().map();
+    let objects: Vec<_> = map.objects.iter().map(|o| (o.class, o.outline.middle())).collect();
+    assert_eq!(objects.len(), world.objects.len(), "{seed}: nothing is there twice: {objects:?}");
+}
+
 #[test]
 fn a_robot_that_was_pushed_finds_out_and_maps_nothing_twice() {
-    let world = l_room();
     for (trial, way) in [0.3, 1.9, 3.5, 5.1].into_iter().enumerate() {
-        let mut rig =
-            rig_in(&world, NoiseProfile::None, Faults::default(), trial as u64, (true, None));
-        assert!(rig.until(2000.0, is_touring));
-        push(&mut rig, &world, way);
-        assert!(off(&rig) > 0.3);
-        assert!(rig.until(6000.0, |rig| rig.run.ending().is_some()));
-        let ending = rig.run.ending().expect("an ending");
-        assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
-        assert!(off(&rig) < 0.03, "{way}: {} m off at the end", off(&rig));
-        let map = rig.run.session().expect("a session").mission().map();
-        let objects: Vec<_> = map.objects.iter().map(|o| (o.class, o.outline.middle())).collect();
-        assert_eq!(objects.len(), 1, "{way}: the crate, and nothing twice: {objects:?}");
+        pushed_and_right(&l_room(), NoiseProfile::None, trial as u64, (0.0, way));
+    }
+}
+
+/// In these the robot takes walls for objects before it finds out, or its map holds things where they are not:
+/// what it did since its place was last sure is taken back.
+#[test]
+fn what_a_robot_did_while_it_was_astray_is_taken_back() {
+    let flat = include_str!("../../../../sims/flat.toml");
+    let flat = World::from_toml(flat, "flat", 0.1).expect("a world");
+    let objects = include_str!("../../../../sims/objects.toml");
+    let objects = World::from_toml(objects, "objects", 0.1).expect("a world");
+    for (world, seed) in [(&l_room(), 3), (&l_room(), 7), (&flat, 9), (&objects, 0), (&objects, 8)]
+    {
+        let (later, way) = (40.0 * seed as f64, 0.8 * seed as f64);
+        pushed_and_right(world, NoiseProfile::Calibrated, seed, (later, way));
     }
 }
 
@@ -234,7 +256,7 @@ fn many_pushed() {
     ];
     for (name, text) in worlds {
         let world = World::from_toml(text, name, 0.1).expect("a world");
-        for trial in 0..16_u64 {
+        for trial in 0..13_u64 {
             let noise = NoiseProfile::Calibrated;
             let mut rig = rig_in(&world, noise, Faults::default(), trial, (true, None));
             assert!(rig.until(4000.0, is_touring));
@@ -246,29 +268,9 @@ fn many_pushed() {
             let session = rig.run.session().expect("a session");
             let objects = session.mission().map().objects.len();
             let known = world.objects.len();
-            for o in &session.mission().map().objects {
-                if objects != known {
-                    println!(
-                        "  {:?} closed {} at {:?} around {:.2}, true {:.3}",
-                        o.class,
-                        o.closed,
-                        o.outline.middle(),
-                        o.outline.perimeter(),
-                        world
-                            .objects
-                            .iter()
-                            .map(|t| (t.ring.middle() - o.outline.middle()).norm())
-                            .fold(9.0, f64::min)
-                    );
-                }
-            }
-            if objects != known {
-                for e in session.events() {
-                    println!("    {:.0} {}", e.time_us as f64 * 1e-6, e.kind);
-                }
-            }
             println!(
-                "{name} {trial}: pushed {pushed:.3} m; {:.3} m off at the end; worst corner {:.3}; {objects} objects of {known}; {:?}",
+                "{name} {trial}: pushed {pushed:.3} m; {:.3} m off at the end; worst corner {:.3}; \
+                 {objects} objects of {known}; {:?}",
                 off(&rig),
                 worst_corner(&rig, &world),
                 rig.run.ending().map(|ending| ending.outcome)

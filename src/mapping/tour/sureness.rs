@@ -1,0 +1,119 @@
+//! Since when the robot may have been somewhere else than it believes, if it turns out that it is: the last
+//! time that its place was sure, and the lines that ended since. It was sure where two walls were felt for
+//! and found, and where contacts of walls that run across each other lay where they had to.
+
+use crate::geometry::angle;
+use crate::mapping::wall::Sighting;
+
+/// A contact this near to what it is of, metres, says that the robot is where it believes it is, as far as
+/// one direction goes.
+const AGREES: f64 = 0.03;
+/// Directions less far apart than this are one, radians.
+const ONE: f64 = angle::FRAC_PI_4;
+
+/// What it says.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sureness {
+    since_us: u64,
+    /// The last contact in each direction that lay where it had to: direction of the beam, map frame, and
+    /// robot time.
+    agreed: Vec<(f64, u64)>,
+    /// Lines that ended since: number, whether driven from the end, robot time.
+    ended: Vec<(u32, bool, u64)>,
+}
+
+/// The angle between two lines of these directions, 0 to a quarter turn.
+fn between(a: f64, b: f64) -> f64 {
+    let off = angle::wrap(a - b).abs();
+    off.min(angle::PI - off)
+}
+
+impl Sureness {
+    /// Robot time since when the place is not sure, microseconds.
+    pub(super) fn since_us(&self) -> u64 {
+        self.since_us
+    }
+
+    /// The place is sure at `now_us`.
+    pub(super) fn at(&mut self, now_us: u64) {
+        self.since_us = self.since_us.max(now_us);
+        self.ended.retain(|(.., at)| *at > self.since_us);
+    }
+
+    /// The boundary was touched `off` metres away from where it is mapped.
+    pub(super) fn touched(&mut self, seen: &Sighting, off: f64) {
+        if off > AGREES {
+            self.agreed.clear();
+            return;
+        }
+        let across = self.agreed.iter().filter(|(beam, _)| between(*beam, seen.beam) > ONE);
+        // Both agree: it was where it believed to be when the earlier one was made.
+        let earlier = across.map(|(_, at)| *at).max();
+        self.agreed.retain(|(beam, _)| between(*beam, seen.beam) > ONE);
+        self.agreed.push((seen.beam, seen.time_us));
+        if let Some(earlier) = earlier {
+            self.at(earlier);
+        }
+    }
+
+    /// A line came to its end.
+    pub(super) fn ended(&mut self, id: u32, backwards: bool, now_us: u64) {
+        self.ended.push((id, backwards, now_us));
+    }
+
+    /// The lines that ended since, in order, to be driven again.
+    pub(super) fn take_ended(&mut self) -> Vec<(u32, bool)> {
+        std::mem::take(&mut self.ended).into_iter().map(|(id, back, _)| (id, back)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Pose};
+    use crate::mapping::map::ContactKind;
+
+    /// A contact of a beam in this direction, degrees, at this time.
+    fn seen(beam: f64, time_us: u64) -> Sighting {
+        Sighting {
+            point: Point::origin(),
+            pose: Pose::new(0.0, 0.0, 0.0),
+            beam: beam.to_radians(),
+            kind: ContactKind::Range,
+            sensor: Some(0),
+            rising: true,
+            swept: 0.0,
+            travelled: 0.0,
+            time_us,
+            alive: true,
+            ruled_out: 0,
+        }
+    }
+
+    #[test]
+    fn walls_that_run_across_each_other_say_where_the_robot_was_at_the_earlier_contact() {
+        let mut sure = Sureness::default();
+        sure.touched(&seen(0.0, 10), 0.01);
+        sure.touched(&seen(180.0, 20), 0.01);
+        sure.touched(&seen(10.0, 30), 0.02);
+        assert_eq!(sure.since_us(), 0, "one direction only");
+        sure.touched(&seen(95.0, 40), 0.01);
+        assert_eq!(sure.since_us(), 30);
+        sure.touched(&seen(-80.0, 50), 0.2);
+        sure.touched(&seen(0.0, 60), 0.01);
+        assert_eq!(sure.since_us(), 30, "it did not lie where it had to");
+        sure.touched(&seen(90.0, 70), 0.01);
+        assert_eq!(sure.since_us(), 60);
+    }
+
+    #[test]
+    fn lines_that_ended_before_that_are_done() {
+        let mut sure = Sureness::default();
+        sure.ended(1, false, 10);
+        sure.ended(2, true, 20);
+        sure.at(15);
+        sure.ended(3, false, 30);
+        assert_eq!(sure.take_ended(), [(2, true), (3, false)]);
+        assert_eq!(sure.take_ended(), []);
+    }
+}

@@ -49,6 +49,9 @@ impl WorldError {
     }
 }
 
+/// A room that extends farther is not gone round in a day, metres: nobody meant it.
+const LARGEST_ROOM: f64 = 1000.0;
+
 /// More corners than this make no sense for a room and would only stall the program.
 pub const MOST_VERTICES: usize = 100_000;
 
@@ -103,6 +106,16 @@ impl World {
     }
 
     fn checked(self, place: &str, radius: f64) -> Result<Self, WorldError> {
+        let (low, high) = self.boundary.bounds().unwrap_or_default();
+        let extent = (high.x - low.x).max(high.y - low.y);
+        if extent > LARGEST_ROOM {
+            return Err(WorldError::new(
+                format!("{place}: boundary"),
+                format!(
+                    "is {extent:.0} m long; a room is {LARGEST_ROOM} m at most, and lengths are metres"
+                ),
+            ));
+        }
         let at = self.start.position;
         let says = |what: String| Err(WorldError::new(format!("{place}: start"), what));
         if !self.boundary.contains(at) {
@@ -169,6 +182,15 @@ mod tests {
             (square.to_owned(), "start"),
             (START.to_owned(), "boundary"),
             (format!("{START}[boundary]\n"), "circle"),
+            (format!("{START}[boundary]\ncircle = {{ center = [0, 0], radius = 1e4 }}\n"), "long"),
+            (format!("{START}[boundary]\ncircle = {{ center = [0, 0], radius = 1e308 }}\n"), "100 km"),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,0,1e9],[4,4],[0,4]]\n"), "100 km"),
+            (
+                format!(
+                    "{START}{square}[[objects]]\ncircle = {{ center = [1e308, 1], radius = 1 }}\n"
+                ),
+                "100 km",
+            ),
             (format!("{START}[boundary]\nvertices = [[0,0],[4,0],[4,4\n"), "room.toml:3"),
         ];
         for (text, word) in table {
@@ -198,6 +220,10 @@ mod tests {
             (
                 r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"object"},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,
                 "radius",
+            ),
+            (
+                r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"object","radius":1e308},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,
+                "100 km",
             ),
             ("not json", "line 1"),
         ];

@@ -70,6 +70,11 @@ impl SettingsFile {
         self.problem(entry.line, &format!("unknown key `{}`{hint}", entry.key))
     }
 
+    /// The complaint about values that do not go together.
+    pub fn whole(&self, why: &str) -> ArgumentError {
+        ArgumentError::Unreadable { path: self.path.clone(), reason: why.to_owned() }
+    }
+
     /// The complaint about the value of a key.
     pub fn bad(&self, entry: &Entry<'_>, why: &str) -> ArgumentError {
         self.problem(entry.line, &format!("`{}`: {why}", entry.key))

@@ -4,7 +4,7 @@ use super::{ArgumentError, chassis, config};
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
 use crate::mapping::map::Phase;
-use crate::mapping::settings::{Contour, Settings, Strategy};
+use crate::mapping::settings::{Contour, LEAST_ALPHA, MOST_LAPS, Settings, Strategy};
 use crate::mapping::tape::{Tape, TapeError};
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;
@@ -129,7 +129,8 @@ fn number(text: &str) -> Result<f64, String> {
 /// α: metres, above zero. Whether it fits the room is asked when the room is known.
 pub(super) fn alpha(text: &str) -> Result<f64, String> {
     match number(text)? {
-        value if value < 0.01 => Err("α is a length of at least 0.01 m, such as 0.25".to_owned()),
+        value if value < LEAST_ALPHA => Err("α is a length of at least 0.01 m, such as 0.25".to_owned()),
+        value if value > 1000.0 => Err("α is a length of at most 1000 m, such as 0.25".to_owned()),
         value => Ok(value),
     }
 }
@@ -139,7 +140,7 @@ pub(super) fn laps(text: &str) -> Result<u32, String> {
     text.trim()
         .parse()
         .ok()
-        .filter(|laps| (1..=9).contains(laps))
+        .filter(|laps| (1..=MOST_LAPS).contains(laps))
         .ok_or_else(|| format!("`{}` is no number of laps from 1 to 9", text.trim()))
 }
 
@@ -273,7 +274,7 @@ mod tests {
         let pose = start("0.5, -1, 90").expect("a pose");
         assert!((pose.heading - angle::FRAC_PI_2).abs() < 1e-12);
         assert_eq!((pose.position.x, pose.position.y), (0.5, -1.0));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
+        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c", "1e6,0,0", "0,0,1e308"] {
             assert!(start(bad).is_err(), "start of `{bad}` was taken");
         }
     }
@@ -285,6 +286,9 @@ mod tests {
         for bad in
             ["", "5", "0,0=5", "0,0:1,1", "0,0:1=2", "0,0:1,1=x", "0,0:1,1=0.1", "0,0:1,1=-2"]
         {
+            assert!(tape(bad).is_err(), "tape of `{bad}` was taken");
+        }
+        for bad in ["1,1:1,1=5", "0,0:1e300,0=5", "0,0:5,0=1e300"] {
             assert!(tape(bad).is_err(), "tape of `{bad}` was taken");
         }
     }

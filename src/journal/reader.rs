@@ -1,9 +1,12 @@
 //! Reading a record back. A torn tail, as a crash leaves it, is cut off and reported; damage
 //! anywhere else is an error, because a replay over a hole would tell a story that never was.
 
-use super::{Entry, Header, MAGIC, Record, VERSION};
+use super::{Entry, Header, MAGIC, Record, VERSION, is_unbegun};
 use crate::robot::{Odometer, SwitchSet, Telemetry};
 use std::path::{Path, PathBuf};
+
+/// Letters of the longest name of a world, or of a robot and its port.
+const LONGEST_SOURCE: usize = 5000;
 
 /// A record that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +55,20 @@ pub enum JournalError {
         /// Its version.
         found: u32,
     },
+    /// Nothing was recorded: the robot never said who it is, or the disk was full.
+    #[error("{}: holds nothing: that run never began; name the folder with --out to begin one in it", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Its header says what no run can be started with.
+    #[error("{}:1: the header tells of {why}; no run can be started so, was it changed by hand?", path.display())]
+    Senseless {
+        /// The file.
+        path: PathBuf,
+        /// What makes no sense.
+        why: String,
+    },
     /// A line before the last is damaged.
     #[error("{}:{line}: {why}; the record is whole up to there", path.display())]
     Damaged {
@@ -81,6 +98,9 @@ pub fn read(path: &Path) -> Result<Recording, JournalError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
+    if is_unbegun(bytes) {
+        return Err(JournalError::Empty { path: path.to_owned() });
+    }
     let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
     let header = header(path, lines.next().unwrap_or_default())?;
     let mut records = Vec::new();
@@ -124,7 +144,18 @@ fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {
     let damaged = |why: String| JournalError::Damaged { path: path.to_owned(), line: 1, why };
     let text = unseal(line).map_err(damaged)?;
     let payload = text.splitn(3, ' ').nth(2).unwrap_or_default();
-    serde_json::from_str(payload).map_err(|error| damaged(error.to_string()))
+    let header: Header =
+        serde_json::from_str(payload).map_err(|error| damaged(error.to_string()))?;
+    let source = header.source.chars().count();
+    let sound = if source > LONGEST_SOURCE {
+        Err(format!("a source with a name of {source} letters"))
+    } else {
+        header.settings.check()
+    };
+    match sound {
+        Ok(()) => Ok(header),
+        Err(why) => Err(JournalError::Senseless { path: path.to_owned(), why }),
+    }
 }
 
 /// The text of a line without its checksum, when the checksum holds.

@@ -29,6 +29,15 @@ pub enum Contour {
     FullLoop,
 }
 
+/// The least α, metres.
+pub const LEAST_ALPHA: f64 = 0.01;
+/// Nobody goes round more often.
+pub const MOST_LAPS: u32 = 9;
+/// Nothing is farther from the origin in x or y, metres.
+const FAR: f64 = 1e5;
+/// A heading is a few turns at most, radians.
+const MOST_HEADING: f64 = 100.0;
+
 fn one() -> u32 {
     1
 }
@@ -79,5 +88,26 @@ impl Settings {
             tape: None,
             chassis: Chassis::default(),
         }
+    }
+
+    /// Whether a run can have been started with this.
+    ///
+    /// # Errors
+    /// Says which of it makes no sense.
+    pub fn check(&self) -> Result<(), String> {
+        let Pose { position, heading } = self.start;
+        if !(LEAST_ALPHA..=FAR).contains(&self.alpha) {
+            return Err(format!("`alpha` of {} m", self.alpha));
+        }
+        if !(position.x.abs() <= FAR && position.y.abs() <= FAR && heading.abs() <= MOST_HEADING) {
+            return Err("a `start` more than 100 km from the origin, or a heading that is none".into());
+        }
+        if !(1..=MOST_LAPS).contains(&self.laps) {
+            return Err(format!("{} `laps`", self.laps));
+        }
+        if let Some(Err(why)) = self.tape.map(Tape::checked) {
+            return Err(format!("a `tape` that is none: {why}"));
+        }
+        self.chassis.check().map_err(|why| format!("a `chassis` that no robot has: {why}"))
     }
 }

@@ -3,6 +3,7 @@
 //! draws or parses by itself.
 
 pub mod check;
+pub mod ending;
 pub mod error;
 pub mod export;
 pub mod glue;
@@ -20,6 +21,8 @@ use std::path::Path;
 /// Does what the command line says and gives the exit status.
 #[must_use]
 pub fn dispatch(cli: Cli) -> u8 {
+    // Where it cannot be had, long files end the program as they always did.
+    let _ = crate::runtime::Signals::outlive_long_files();
     let result = match cli.command {
         None => console(cli.console),
         Some(Command::Console(args)) => console(args),

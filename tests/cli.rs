@@ -1,37 +1,13 @@
 //! The program as a shell sees it: exit status, and where which words go.
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
+mod shell;
+
+use shell::{periplus, place, refused};
 use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
-
-fn periplus(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_periplus"))
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
-}
-
-/// An empty folder for one test.
-fn place(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("a folder for the test");
-    path
-}
-
-/// Asserts that the program refuses with status 2 and one message that has all of `words` in it.
-fn refused(arguments: &[&str], words: &[&str]) {
-    let output = periplus(arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?} ended otherwise: {message}");
-    assert!(!message.contains("panicked"), "{arguments:?} panicked: {message}");
-    for word in words {
-        assert!(message.contains(word), "{arguments:?}: no `{word}` in: {message}");
-    }
-}
+use std::process::{Command, Stdio};
 
 #[test]
 fn help_and_version_are_results() {
@@ -103,6 +79,10 @@ fn a_settings_file_is_told_by_file_line_and_key() {
     let shown = file.to_str().expect("a plain path");
     let cases: &[(&str, &[&str])] = &[
         ("seed = 3\nalpa = 0.3\n", &["run.toml:2:", "`alpa`", "did you mean `alpha`"]),
+        ("\u{feff}alpa = 0.3\n", &["run.toml:1:", "`alpa`"]),
+        ("wallpaper = 3\n", &["run.toml:1:", "`wallpaper`", "those there are: alpha, plan"]),
+        ("\"a\\u001b[2J\" = 3\n", &["run.toml:1:", "unknown key `a?[2J`"]),
+        ("out = \"a\"\nresume = \"b\"\n", &["run.toml:2:", "`resume`", "leave out"]),
         ("\nalpha = 0\n", &["run.toml:2:", "`alpha`", "length"]),
         ("alpha = nan\n", &["run.toml:1:", "not a finite number"]),
         ("plan = \"leen\"\n", &["run.toml:1:", "paper, lean, lanes"]),
@@ -160,65 +140,6 @@ fn export_hands_over_what_a_run_left() {
     assert!(fs::read(&picture).expect("the picture").starts_with(b"P5\n"));
 }
 
-/// What a run left is not lost to an export under the wrong name, and a device stays a device.
-#[test]
-fn export_spares_results_and_devices() {
-    let dir = place("export-spares");
-    let (run, other) = (dir.join("run"), dir.join("other"));
-    for folder in [&run, &other] {
-        fs::create_dir_all(folder).expect("a folder");
-        fs::write(folder.join("journal"), "a record\n").expect("a record");
-        fs::write(folder.join("map.svg"), "<svg/>").expect("a result");
-    }
-    let from = run.to_str().expect("a path");
-    let export = |format, to: &str| {
-        let arguments = ["export", from, "--format", format, "--out", to];
-        (arguments.map(str::to_owned), periplus(&arguments))
-    };
-    for name in ["journal", "map.svg", "map.json", "report.json", "../other/journal"] {
-        let to = run.join(name);
-        let arguments = ["export", from, "--format", "svg", "--out", to.to_str().expect("a path")];
-        refused(&arguments, &["belongs to the run", "name another"]);
-        let ros = ["export", from, "--format", "ros", "--out", to.to_str().expect("a path")];
-        refused(&ros, &["belongs to the run"]);
-    }
-    #[cfg(unix)]
-    {
-        let link = dir.join("link.svg");
-        std::os::unix::fs::symlink(run.join("journal"), &link).expect("a link");
-        let to = link.to_str().expect("a path");
-        refused(&["export", from, "--format", "svg", "--out", to], &["belongs to the run"]);
-    }
-    assert_eq!(fs::read_to_string(run.join("journal")).expect("the record"), "a record\n");
-    assert_eq!(fs::read_to_string(other.join("journal")).expect("the record"), "a record\n");
-    for to in ["-", "/dev/stdout"] {
-        let (arguments, output) = export("svg", to);
-        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
-        assert_eq!(output.stdout, b"<svg/>", "{arguments:?}");
-        refused(&["export", from, "--format", "ros", "--out", to], &["name the YAML file"]);
-    }
-    let before = fs::metadata("/dev/null").expect("a device").file_type();
-    let (arguments, output) = export("svg", "/dev/null");
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}");
-    assert_eq!(fs::metadata("/dev/null").expect("a device").file_type(), before, "it was replaced");
-}
-
-/// An empty or damaged result is none, and what is said of the record was looked at.
-#[test]
-fn export_hands_over_no_empty_result() {
-    let dir = place("export-empty");
-    let (from, out) = (dir.to_str().expect("a path"), dir.join("copy"));
-    let to = out.to_str().expect("a path");
-    fs::write(dir.join("map.png"), "").expect("a file");
-    fs::write(dir.join("map.geojson"), "{\"type\":").expect("a file");
-    fs::write(dir.join("journal"), "").expect("a file");
-    let export = |format| ["export", from, "--format", format, "--out", to];
-    refused(&export("png"), &["map.png", "empty", "cannot be read"]);
-    refused(&export("geojson"), &["map.geojson", "damaged"]);
-    refused(&export("svg"), &["map.svg", "cannot be read"]);
-    assert!(!out.exists(), "nothing was to be handed over");
-}
-
 #[test]
 fn a_boundary_without_a_shape_is_as_long_as_its_wall() {
     let out = place("boundary_only").join("run");
@@ -273,11 +194,18 @@ fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
         (&["--start", "9,9,0"], &["--start", "outside the room"]),
         (&["--start", "0.01,1,0"], &["--start"]),
         (&["--chassis", "/nowhere/robot.toml"], &["/nowhere/robot.toml"]),
+        (&["--resume", "a"], &["--resume", "cannot be used with", "--out"]),
     ];
     for (more, words) in cases {
         let arguments = [&["run", "--world", world, "--out", to], *more].concat();
         refused(&arguments, words);
     }
+    let config = dir.join("run.toml");
+    fs::write(&config, "alpha = 0.3\nstart = [9, 9, 0]\n").expect("a settings file");
+    let config = config.to_str().expect("a path");
+    let from_file = ["run", "--world", world, "--out", to, "--config", config];
+    refused(&from_file, &["run.toml:2: `start`", "outside the room"]);
+    refused(&[&from_file[..], &["--start", "8,8,0"]].concat(), &["--start", "(8, 8) lies outside"]);
     assert!(!out.exists(), "a refused run has made its folder");
 }
 
@@ -294,6 +222,7 @@ fn a_chassis_is_read_strictly() {
         ("sensors = 3\n", &["robot.toml:1:", "from 4 to 16"]),
         ("[[sensors]]\nname = \"front\"\nangel = 0\n", &["robot.toml:3:", "`angel`", "`angle`"]),
         ("speed = \"fast\"\n", &["robot.toml:1:", "`speed`", "a string"]),
+        ("range = 0.02\nhysteresis = 0.05\n", &["robot.toml:2:", "larger than the range"]),
     ];
     for (text, words) in cases {
         fs::write(&file, text).expect("a chassis");
@@ -330,6 +259,11 @@ fn ports_and_robots_are_refused_with_what_to_try() {
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
     refused(&["robot", "--world", world], &["--pty"]);
     refused(&["robot", "--world", world, "--pty", "--speed", "0"], &["--speed", "0.1"]);
+    refused(
+        &["robot", "--world", world, "--pty", "--faults", "drop=2"],
+        &["drop=2", "from 0 to 1"],
+    );
+    refused(&["run", "--port", world, "--out", out], &["a file or a folder", "periplus ports"]);
 }
 
 #[test]
@@ -368,99 +302,4 @@ fn a_frame_of_a_record() {
     assert!(text.contains("0:01:00") || text.contains("0:00:59"), "{text}");
     assert_eq!(text.lines().count(), 24);
     refused(&["snapshot", "--replay", dir, "--at", "99999", "--size", "80x24"], &["ends at"]);
-}
-
-/// What no robot can have counted, or no run been started with, is not reckoned with: a replay ends.
-#[test]
-fn a_record_of_what_cannot_be_is_told_and_comes_to_its_end() {
-    use periplus::journal::{Entry, Journal, read};
-    use periplus::robot::{Odometer, SwitchSet, Telemetry};
-    let dir = place("absurd");
-    let (made, bent) = (dir.join("run"), dir.join("bent"));
-    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
-    let made = made.to_str().expect("a path");
-    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", made]);
-    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
-    let recording = read(made.as_ref()).expect("a record");
-    fs::write(&bent, write_bent(&recording, |_| {})).expect("a record");
-    let frame = ["snapshot", "--replay", bent.to_str().expect("a path"), "--size", "80x24", "--at"];
-    // The far report comes at second 30.
-    let output = periplus(&[&frame[..], &["40"]].concat());
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("differs from the run"), "{told}");
-    let headers: [(&str, fn(&mut periplus::journal::Header)); 2] = [
-        ("tick", |header| header.settings.chassis.tick = 1e308),
-        ("0 switches", |header| header.settings.chassis.sensors.clear()),
-    ];
-    for (word, change) in headers {
-        fs::write(&bent, write_bent(&recording, change)).expect("a record");
-        refused(&[&frame[..], &["40"]].concat(), &["bent:1:", word]);
-    }
-
-    fn write_bent(
-        recording: &periplus::journal::Recording,
-        change: fn(&mut periplus::journal::Header),
-    ) -> Vec<u8> {
-        let mut header = recording.header.clone();
-        change(&mut header);
-        let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
-        let mut bent = false;
-        for record in &recording.records {
-            if record.time_us >= 30_000_000 && !bent {
-                bent = true;
-                let (left_ticks, time_us) = (900_000_000_000_000, record.time_us);
-                let odometer = Odometer { time_us, left_ticks, right_ticks: 0, heading: 0.0 };
-                let switches = SwitchSet::EMPTY;
-                let entry = Entry::Telemetry(Telemetry::Report { odometer, switches, bumper: false });
-                journal.record(&periplus::journal::Record { time_us, entry });
-            }
-            journal.record(record);
-        }
-        journal.finish().expect("memory")
-    }
-}
-
-/// A limit on the length of files is met as a full disk is: one message, and no word of results that
-/// are not there.
-#[cfg(unix)]
-#[test]
-fn a_file_that_may_not_grow_is_told_once_and_truthfully() {
-    let dir = place("limited");
-    let out = dir.join("run");
-    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
-    // In blocks of 512 or 1024 bytes, as the shell pleases: the record is longer, its header is not.
-    let limited = r#"ulimit -f 8 && exec "$0" run --world "$1" --until boundary --out "$2""#;
-    let output = Command::new("sh")
-        .args(["-c", limited, env!("CARGO_BIN_EXE_periplus"), world])
-        .arg(&out)
-        .stdin(Stdio::null())
-        .output()
-        .expect("a shell");
-    let (said, told) =
-        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert_eq!(output.status.code(), Some(1), "{said}{told}");
-    assert_eq!(told.lines().count(), 1, "{told}");
-    assert!(told.contains("the record of the run") && told.contains("room on the disk"), "{told}");
-    assert!(said.contains("not all results could be written"), "{said}");
-    assert!(!said.contains("; results in"), "{said}");
-}
-
-/// A port at which no robot answers leaves no folder, says no word of results, and the folder can be
-/// used again.
-#[cfg(unix)]
-#[test]
-fn a_robot_that_never_answers_leaves_nothing() {
-    let dir = place("no-answer");
-    let out = dir.join("run");
-    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = format!("tcp://{}", listener.local_addr().expect("an address"));
-    let to = out.to_str().expect("a path");
-    for _ in 0..2 {
-        let output = periplus(&["run", "--port", &port, "--out", to]);
-        let said = String::from_utf8_lossy(&output.stdout);
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains("no answer") && said.contains("nothing was recorded"), "{said}");
-        assert!(!out.exists(), "something was left");
-    }
 }

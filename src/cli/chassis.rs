@@ -52,7 +52,7 @@ pub fn read(path: &Path) -> Result<Chassis, ArgumentError> {
         Unfit::Hysteresis { .. } => &["hysteresis", "range"],
         Unfit::Switches { .. } | Unfit::Switch { .. } => &["sensors"],
     };
-    let blamed = entries.iter().find(|entry| keys.contains(&entry.key.as_str()));
+    let blamed = keys.iter().find_map(|key| entries.iter().find(|entry| entry.key == *key));
     let why = unfit.to_string();
     Err(blamed.map_or_else(|| file.whole(&why), |entry| file.bad(entry, &why)))
 }

@@ -35,6 +35,9 @@ pub struct Common {
     /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's]
     #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
     pub start: Option<Pose>,
+    /// File, line and key that the start came from; none when it is a flag's.
+    #[arg(skip)]
+    pub start_place: Option<String>,
     /// Laps of the boundary; each after the first goes the other way round and is averaged in
     /// [default: 1]
     #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
@@ -55,7 +58,7 @@ pub struct Common {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Folder of an interrupted run to go on with
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
     /// With --resume, a robot that was carried: about where it stands now
     #[arg(
@@ -129,7 +132,9 @@ fn number(text: &str) -> Result<f64, String> {
 /// α: metres, above zero. Whether it fits the room is asked when the room is known.
 pub(super) fn alpha(text: &str) -> Result<f64, String> {
     match number(text)? {
-        value if value < LEAST_ALPHA => Err("α is a length of at least 0.01 m, such as 0.25".to_owned()),
+        value if value < LEAST_ALPHA => {
+            Err("α is a length of at least 0.01 m, such as 0.25".to_owned())
+        }
         value if value > 1000.0 => Err("α is a length of at most 1000 m, such as 0.25".to_owned()),
         value => Ok(value),
     }

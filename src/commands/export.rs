@@ -72,7 +72,8 @@ fn spare_results(dir: &Path, out: &Path) -> Result<(), CommandError> {
         std::fs::canonicalize(&parent).unwrap_or(parent)
     };
     let folder = place(&whole);
-    let is_result = whole.file_name().is_some_and(|name| folder::RESULTS.iter().any(|r| name == *r));
+    let is_result =
+        whole.file_name().is_some_and(|name| folder::RESULTS.iter().any(|r| name == *r));
     let holds_run = folder::MARKS.iter().any(|mark| folder.join(mark).exists())
         || std::fs::canonicalize(dir).is_ok_and(|dir| dir == folder);
     if is_result && holds_run {
@@ -118,6 +119,8 @@ fn why_missing(dir: &Path) -> String {
             let records = recording.records.len();
             format!("its results were not written; its record was cut off after {records} entries")
         }
-        Err(error) => format!("its results were not written, and its record cannot be read: {error}"),
+        Err(error) => {
+            format!("its results were not written, and its record cannot be read: {error}")
+        }
     }
 }

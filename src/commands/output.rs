@@ -27,5 +27,11 @@ pub fn print_bytes(bytes: &[u8]) -> Result<(), CommandError> {
 
 /// Says something on standard error; that nobody listens is not an error.
 pub fn say(text: &str) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", harmless(text));
+}
+
+/// The text without anything that could steer a terminal: it may quote a file of anybody's.
+#[must_use]
+pub fn harmless(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { '?' } else { c }).collect()
 }

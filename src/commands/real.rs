@@ -102,6 +102,10 @@ fn take_up(
         session.mission().phase(),
         session.mission().tracker().time_us() as f64 * 1e-6
     ));
+    if common.placed.is_some() && session.mission().phase() == Phase::Boundary {
+        let why = "the boundary is not closed yet: the lap begins anew from --placed";
+        output::say(&format!("periplus: {why}"));
+    }
     let plan =
         Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
     let (folder, journal) = OutputFolder::reopen(dir, sound)?;
@@ -193,15 +197,12 @@ fn progress_of(snapshot: &Snapshot) -> Progress {
 /// Ends the record and writes the results; tells what was kept.
 fn write(run: &mut LiveRun<File>, ending: &Ending, folder: &OutputFolder, seconds: f64) -> Kept {
     let recorded = run.conclude();
-    match run.record(ending, seconds) {
-        Some(record) => {
-            Kept::unless(folder.complaint(recorded, &folder.write_results(&record)))
-        }
-        None => {
-            folder.discard_unbegun();
-            Kept::Nothing
-        }
+    let record = run.record(ending, seconds);
+    let results = record.map(|record| folder.write_results(&record));
+    if results.is_none() {
+        folder.discard_unbegun();
     }
+    results.map_or(Kept::Nothing, |failures| Kept::unless(folder.complaint(recorded, &failures)))
 }
 
 /// A robot under an operator's hands; the control thread has it.

@@ -132,21 +132,22 @@ fn states_that_differ_have_other_hashes() {
 /// A header is held against the bounds that files and robots are held against.
 #[test]
 fn a_header_that_no_run_can_have_is_refused() {
-    let with = |change: &dyn Fn(&mut Settings)| {
+    type Change = fn(&mut Settings);
+    let with = |change: Change| {
         let mut header = header();
         change(&mut header.settings);
         let bytes = Journal::begin(Vec::new(), &header).expect("memory").finish().expect("memory");
         parse(&bytes).map(|_| ()).map_err(|error| error.to_string())
     };
-    assert_eq!(with(&|_| {}), Ok(()));
-    let changes: [(&str, &dyn Fn(&mut Settings)); 7] = [
-        ("tick", &|settings| settings.chassis.tick = 1e308),
-        ("0 switches", &|settings| settings.chassis.sensors.clear()),
-        ("alpha", &|settings| settings.alpha = 1e-9),
-        ("start", &|settings| settings.start.position.x = 1e308),
-        ("start", &|settings| settings.start.heading = 1e308),
-        ("laps", &|settings| settings.laps = 4_000_000_000),
-        ("tape", &|settings| {
+    assert_eq!(with(|_| {}), Ok(()));
+    let changes: [(&str, Change); 7] = [
+        ("tick", |settings| settings.chassis.tick = 1e308),
+        ("0 switches", |settings| settings.chassis.sensors.clear()),
+        ("alpha", |settings| settings.alpha = 1e-9),
+        ("start", |settings| settings.start.position.x = 1e308),
+        ("start", |settings| settings.start.heading = 1e308),
+        ("laps", |settings| settings.laps = 4_000_000_000),
+        ("tape", |settings| {
             let from = settings.start.position;
             settings.tape = Some(crate::mapping::tape::Tape { from, to: from, length: 5.0 });
         }),

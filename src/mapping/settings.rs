@@ -100,7 +100,9 @@ impl Settings {
             return Err(format!("`alpha` of {} m", self.alpha));
         }
         if !(position.x.abs() <= FAR && position.y.abs() <= FAR && heading.abs() <= MOST_HEADING) {
-            return Err("a `start` more than 100 km from the origin, or a heading that is none".into());
+            return Err(
+                "a `start` more than 100 km from the origin, or a heading that is none".into()
+            );
         }
         if !(1..=MOST_LAPS).contains(&self.laps) {
             return Err(format!("{} `laps`", self.laps));

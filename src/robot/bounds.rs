@@ -89,7 +89,9 @@ pub enum Unfit {
         range: f64,
     },
     /// A switch that points nowhere, or whose name fits on no screen.
-    #[error("switch {index} has no angle within a turn, or a name of more than {LONGEST_NAME} letters")]
+    #[error(
+        "switch {index} has no angle within a turn, or a name of more than {LONGEST_NAME} letters"
+    )]
     Switch {
         /// Which one.
         index: usize,

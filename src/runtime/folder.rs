@@ -332,9 +332,8 @@ mod tests {
         let folder = OutputFolder { path: PathBuf::from("out") };
         assert_eq!(folder.complaint(Ok(()), &[]), None);
         let full = || io::Error::other("no room");
-        let failed = ["map.svg", "map.png"].map(|name| {
-            FolderError::unwritable(&Path::new("out").join(name), &full())
-        });
+        let failed = ["map.svg", "map.png"]
+            .map(|name| FolderError::unwritable(&Path::new("out").join(name), &full()));
         let told = folder.complaint(Err(full()), &failed).expect("a complaint");
         assert_eq!(told.matches("no room").count(), 1, "{told}");
         for word in ["the record", "map.svg", "map.png", "out:"] {

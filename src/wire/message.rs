@@ -6,8 +6,8 @@ mod fields;
 mod rounding;
 
 use crate::robot::{
-    SWITCHES, Chassis, Command, CommandId, DoneReason, Edge, Guard, Motion, Odometer, SensorMount, SwitchSet,
-    Telemetry,
+    Chassis, Command, CommandId, DoneReason, Edge, Guard, Motion, Odometer, SWITCHES, SensorMount,
+    SwitchSet, Telemetry,
 };
 use fields::Fields;
 pub use rounding::{quantised, told};

@@ -79,6 +79,19 @@ pub(super) fn circle(center: [f64; 2], radius: f64, place: &str) -> Result<Ring,
     Ok(Ring::circle(Point::new(center[0], center[1]), radius))
 }
 
+/// Letters of the longest name: it has to fit on a screen and in a picture.
+const LONGEST_NAME: usize = 200;
+
+/// A name, checked.
+pub(super) fn name<'n>(name: &'n str, place: &str) -> Result<&'n str, WorldError> {
+    let letters = name.chars().count();
+    if letters > LONGEST_NAME {
+        let what = format!("has {letters} letters; {LONGEST_NAME} are the most");
+        return Err(WorldError::new(place, what));
+    }
+    Ok(name)
+}
+
 /// The first two pieces that cross or touch without being neighbours. Sweeps over x, so that long
 /// outlines take time in proportion to what overlaps.
 fn first_crossing(ring: &Ring) -> Option<(usize, usize)> {

@@ -29,7 +29,9 @@ pub enum Loss {
     )]
     Foreign(Sample),
     /// It speaks, but never said all that `H` asks for.
-    #[error("the robot answers, but does not introduce itself with h, c and every s; see `periplus protocol`")]
+    #[error(
+        "the robot answers, but does not introduce itself with h, c and every s; see `periplus protocol`"
+    )]
     Unintroduced,
     /// It speaks another version of the protocol.
     #[error("the robot speaks another version of the protocol")]

@@ -56,9 +56,8 @@ fn an_encoder_that_leaps_stops_the_robot_at_once() {
         rig.until(2.0, |_| false);
         rig.run.intent(Intent::Run, rig.now);
         rig.until(20.0, |_| false);
-        let travelled = |rig: &Rig| {
-            rig.run.session().expect("a session").mission().tracker().travelled()
-        };
+        let travelled =
+            |rig: &Rig| rig.run.session().expect("a session").mission().tracker().travelled();
         let before = travelled(&rig);
         rig.lie = lie;
         rig.until(1.5, |_| false);
@@ -71,7 +70,11 @@ fn an_encoder_that_leaps_stops_the_robot_at_once() {
         });
         assert!(told, "{lie:?}: nobody was told");
         let ending = rig.run.ending().map(|ending| ending.reason);
-        assert_eq!(ending.is_some_and(|why| why.contains("cannot be believed")), at_once, "{lie:?}");
+        assert_eq!(
+            ending.is_some_and(|why| why.contains("cannot be believed")),
+            at_once,
+            "{lie:?}"
+        );
         // Cleared and set going, it is stopped again.
         rig.run.intent(Intent::ClearStop, rig.now);
         rig.run.intent(Intent::Run, rig.now);

@@ -50,7 +50,7 @@ fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let keys = args.keymap.or(places.keymap);
     needs_terminal()?;
-    if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
+    if let Some(address) = real::address(&args.robot, places.port)? {
         return real::console(&address, glue::keymap(keys.as_deref())?, &common);
     }
     only_real(common.resume.as_deref())?;

@@ -80,6 +80,7 @@ fn a_settings_file_is_told_by_file_line_and_key() {
     let cases: &[(&str, &[&str])] = &[
         ("seed = 3\nalpa = 0.3\n", &["run.toml:2:", "`alpa`", "did you mean `alpha`"]),
         ("\u{feff}alpa = 0.3\n", &["run.toml:1:", "`alpa`"]),
+        ("out = \"a\"\nport = \"tcp://nowhere\"\n", &["run.toml:2: `port`", "tcp://HOST:PORT"]),
         ("wallpaper = 3\n", &["run.toml:1:", "`wallpaper`", "those there are: alpha, plan"]),
         ("\"a\\u001b[2J\" = 3\n", &["run.toml:1:", "unknown key `a?[2J`"]),
         ("out = \"a\"\nresume = \"b\"\n", &["run.toml:2:", "`resume`", "leave out"]),

@@ -16,8 +16,8 @@ pub struct Places {
     pub keymap: Option<PathBuf>,
     /// Phase whose end completes the run.
     pub until: Option<Phase>,
-    /// Serial port or address of a real robot.
-    pub port: Option<String>,
+    /// Serial port or address of a real robot, and file, line and key that it came from.
+    pub port: Option<(String, String)>,
 }
 
 const KEYS: [&str; 16] = [
@@ -78,7 +78,7 @@ fn set(
         "world" => fill(&mut places.world, path()),
         "keymap" => fill(&mut places.keymap, path()),
         "until" => fill(&mut places.until, values::named_phase(text)?),
-        _ => fill(&mut places.port, words),
+        _ => fill(&mut places.port, (words, file.place(entry))),
     }
     Ok(())
 }

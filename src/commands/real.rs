@@ -28,14 +28,14 @@ use std::time::Duration;
 /// When it is no port's name.
 pub fn address(
     choice: &RobotChoice,
-    configured: Option<&str>,
+    configured: Option<(String, String)>,
 ) -> Result<Option<Address>, CommandError> {
-    let Some(text) = choice.port.as_deref().or(configured.filter(|_| choice.world.is_none()))
-    else {
+    let flag = choice.port.clone().map(|port| (port, "--port".to_owned()));
+    let Some((text, place)) = flag.or(configured.filter(|_| choice.world.is_none())) else {
         return Ok(None);
     };
     let address: Address =
-        text.parse().map_err(|why| CommandError::Input(format!("--port {why}")))?;
+        text.parse().map_err(|why| CommandError::Input(format!("{place}: {why}")))?;
     Ok(Some(address.at_baud(choice.baud)))
 }
 

@@ -15,7 +15,7 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
     let out = common.resume.clone().or(common.out.clone()).ok_or_else(|| missing("--out DIR"))?;
-    if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
+    if let Some(address) = real::address(&args.robot, places.port)? {
         return real::run(&address, &common, until, &out);
     }
     let world = args.robot.world.or(places.world);

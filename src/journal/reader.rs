@@ -2,7 +2,9 @@
 //! anywhere else is an error, because a replay over a hole would tell a story that never was.
 
 use super::{Entry, Header, MAGIC, Record, VERSION, is_unbegun};
-use crate::robot::{Odometer, SwitchSet, Telemetry};
+use crate::mapping::settings;
+use crate::mapping::tape::Tape;
+use crate::robot::{Intent, Odometer, SwitchSet, Telemetry};
 use std::path::{Path, PathBuf};
 
 /// Letters of the longest name of a world, or of a robot and its port.
@@ -191,12 +193,26 @@ fn entry(kind: &str, payload: &str) -> Result<Entry, String> {
         "c" => serde_json::from_str(payload).map(Entry::Command),
         "t" => serde_json::from_str(payload).map(Entry::Telemetry),
         "r" => serde_json::from_str(payload).map(|row| Entry::Telemetry(report(row))),
-        "i" => serde_json::from_str(payload).map(Entry::Intent),
+        "i" => return wish(payload).map(Entry::Intent),
         "e" => serde_json::from_str(payload).map(Entry::Event),
         "p" => serde_json::from_str(payload).map(Entry::PhaseEnd),
         other => return Err(format!("unknown kind `{other}`")),
     };
     parsed.map_err(|error| error.to_string())
+}
+
+/// A wish of the operator, held against what an operator can wish.
+fn wish(payload: &str) -> Result<Intent, String> {
+    let intent: Intent = serde_json::from_str(payload).map_err(|error| error.to_string())?;
+    match intent {
+        Intent::SetAlpha { alpha } => settings::check_alpha(alpha)?,
+        Intent::Placed { near: Some(near) } => settings::check_pose(&near)?,
+        Intent::SetTape { from, to, length } => {
+            Tape { from, to, length }.checked().map_err(|why| why.to_string())?;
+        }
+        _ => {}
+    }
+    Ok(intent)
 }
 
 fn report(

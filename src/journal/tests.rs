@@ -166,3 +166,21 @@ fn an_empty_record_is_told_as_such() {
         assert!(error.contains("holds nothing") && error.contains("--out"), "{error}");
     }
 }
+
+/// A wish that no operator can have is damage, wherever it stands.
+#[test]
+fn a_wish_that_nobody_can_have_is_refused() {
+    let far = crate::geometry::Point::new(1e308, 0.0);
+    let wishes = [
+        Intent::SetAlpha { alpha: 1e-9 },
+        Intent::Placed { near: Some(Pose { position: far, heading: 0.0 }) },
+        Intent::SetTape { from: far, to: far, length: 5.0 },
+    ];
+    for wish in wishes {
+        let mut journal = Journal::begin(Vec::new(), &header()).expect("memory");
+        journal.intent(0, &wish);
+        journal.intent(1, &Intent::Run);
+        let error = parse(&journal.finish().expect("memory")).expect_err("a wish").to_string();
+        assert!(error.contains("journal:2:"), "{wish:?}: {error}");
+    }
+}

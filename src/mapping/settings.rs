@@ -1,7 +1,7 @@
 //! What the operator chooses before a run.
 
 use super::tape::Tape;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
 
@@ -95,15 +95,8 @@ impl Settings {
     /// # Errors
     /// Says which of it makes no sense.
     pub fn check(&self) -> Result<(), String> {
-        let Pose { position, heading } = self.start;
-        if !(LEAST_ALPHA..=FAR).contains(&self.alpha) {
-            return Err(format!("`alpha` of {} m", self.alpha));
-        }
-        if !(position.x.abs() <= FAR && position.y.abs() <= FAR && heading.abs() <= MOST_HEADING) {
-            return Err(
-                "a `start` more than 100 km from the origin, or a heading that is none".into()
-            );
-        }
+        check_alpha(self.alpha)?;
+        check_pose(&self.start).map_err(|why| format!("a `start` that is none: {why}"))?;
         if !(1..=MOST_LAPS).contains(&self.laps) {
             return Err(format!("{} `laps`", self.laps));
         }
@@ -112,4 +105,23 @@ impl Settings {
         }
         self.chassis.check().map_err(|why| format!("a `chassis` that no robot has: {why}"))
     }
+}
+
+/// Whether a plan can be made with this α, metres.
+///
+/// # Errors
+/// Says that it cannot.
+pub fn check_alpha(alpha: f64) -> Result<(), String> {
+    let can = (LEAST_ALPHA..=FAR).contains(&alpha);
+    if can { Ok(()) } else { Err(format!("`alpha` of {alpha} m")) }
+}
+
+/// Whether a robot can stand there.
+///
+/// # Errors
+/// Says that it cannot.
+pub fn check_pose(pose: &Pose) -> Result<(), String> {
+    let Pose { position: Point { coords: at }, heading } = pose;
+    let near = at.x.abs() <= FAR && at.y.abs() <= FAR && heading.abs() <= MOST_HEADING;
+    if near { Ok(()) } else { Err("a place beyond 100 km, or a heading of many turns".to_owned()) }
 }

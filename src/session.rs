@@ -131,15 +131,16 @@ impl Session {
 
     /// Takes one message of the robot and goes on if that is allowed.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Outgoing>) {
-        if let Err(leap) = self.watch.admit(input) {
-            return self.disbelieve(leap, out);
-        }
+        let input = match self.watch.admit(input) {
+            Ok(input) => input,
+            Err(leap) => return self.disbelieve(leap, out),
+        };
         self.fault = None;
         let phase = self.mission.phase() as usize;
         let tracker = self.mission.tracker();
         let (time, travelled) = (tracker.time_us(), tracker.travelled());
         let mut outputs = Vec::new();
-        self.mission.telemetry(input, &mut outputs);
+        self.mission.telemetry(&input, &mut outputs);
         let tracker = self.mission.tracker();
         self.progress[phase].seconds += tracker.time_us().saturating_sub(time) as f64 * 1e-6;
         self.progress[phase].travel += tracker.travelled() - travelled;

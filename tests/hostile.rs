@@ -47,10 +47,25 @@ fn export_spares_results_and_devices() {
         assert_eq!(output.stdout, b"<svg/>", "{arguments:?}");
         refused(&["export", from, "--format", "ros", "--out", to], &["name the YAML file"]);
     }
-    let before = fs::metadata("/dev/null").expect("a device").file_type();
-    let (arguments, output) = export("svg", "/dev/null");
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}");
-    assert_eq!(fs::metadata("/dev/null").expect("a device").file_type(), before, "it was replaced");
+    #[cfg(unix)]
+    {
+        let pipe = dir.join("pipe");
+        let to = pipe.to_str().expect("a path");
+        let made = Command::new("mkfifo").arg(to).status().expect("mkfifo");
+        assert!(made.success(), "no pipe");
+        let mut reader = Command::new("cat");
+        let mut reader = reader.arg(to).stdout(Stdio::piped()).spawn().expect("a reader");
+        let (arguments, output) = export("svg", to);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        let replaced = pipe.is_file();
+        if replaced {
+            reader.kill().expect("an end");
+        }
+        assert!(!replaced, "the pipe was replaced");
+        let read = reader.wait_with_output().expect("an end").stdout;
+        assert_eq!(read, b"<svg/>", "it did not go through the pipe");
+        refused(&["export", from, "--format", "ros", "--out", to], &["name the YAML file"]);
+    }
 }
 
 /// An empty or damaged result is none, and what is said of the record was looked at.

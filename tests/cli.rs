@@ -95,6 +95,9 @@ fn a_settings_file_is_told_by_file_line_and_key() {
         refused(&["run", "--config", shown], words);
     }
     refused(&["run", "--config", "/nowhere/run.toml"], &["/nowhere/run.toml"]);
+    fs::write(&file, "laps = 1\n").expect("a settings file");
+    refused(&["calibrate", "--config", shown], &["laps: two at least"]);
+    refused(&["calibrate", "--laps", "1"], &["laps: two at least"]);
     fs::write(&file, "alpha = 0.3\nstart = [1, 2, 90]\nworld = \"room.toml\"\n").expect("a file");
     refused(&["run", "--config", shown], &["needs --out DIR"]);
 }

@@ -52,12 +52,14 @@ const BOTH_WAYS: u32 = 2;
 /// # Errors
 /// As [`run`].
 pub fn calibrate(mut args: RunArgs) -> Result<u8, CommandError> {
-    if args.common.laps.is_some_and(|laps| laps < BOTH_WAYS) {
-        let why = "--laps: two at least, one way round and the other, or nothing is measured";
+    // A settings file may say as much as the flags.
+    let (asked, places) = args.common.clone().with_config()?;
+    if asked.laps.is_some_and(|laps| laps < BOTH_WAYS) {
+        let why = "laps: two at least, one way round and the other, or nothing is measured";
         return Err(CommandError::Input(why.to_owned()));
     }
-    args.common.laps.get_or_insert(BOTH_WAYS);
-    args.until.get_or_insert(Phase::Shape);
+    args.common.laps = asked.laps.or(Some(BOTH_WAYS));
+    args.until = args.until.or(places.until).or(Some(Phase::Shape));
     run(args)
 }
 

@@ -80,7 +80,7 @@ fn body_step(bencher: divan::Bencher<'_, '_>, noise: NoiseProfile) {
 /// Along a wall, where every beam has something to look at.
 #[divan::bench(args = [NoiseProfile::None, NoiseProfile::Calibrated])]
 fn body_step_at_a_wall(bencher: divan::Bencher<'_, '_>, noise: NoiseProfile) {
-    let world = match world().with_start(Pose::new(0.3, 0.15, 0.0), 0.1) {
+    let world = match world().with_start(Pose::new(0.3, 0.15, 0.0), "start", 0.1) {
         Ok(world) => world,
         Err(error) => panic!("{error}"),
     };

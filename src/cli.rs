@@ -189,7 +189,7 @@ pub struct ExportArgs {
     /// What to write
     #[arg(long, value_enum)]
     pub format: ExportFormat,
-    /// Where to
+    /// Where to; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
 }

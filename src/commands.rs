@@ -3,6 +3,7 @@
 //! draws or parses by itself.
 
 pub mod check;
+pub mod ending;
 pub mod error;
 pub mod export;
 pub mod glue;
@@ -20,6 +21,8 @@ use std::path::Path;
 /// Does what the command line says and gives the exit status.
 #[must_use]
 pub fn dispatch(cli: Cli) -> u8 {
+    // Where it cannot be had, long files end the program as they always did.
+    let _ = crate::runtime::Signals::outlive_long_files();
     let result = match cli.command {
         None => console(cli.console),
         Some(Command::Console(args)) => console(args),
@@ -47,7 +50,7 @@ fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let keys = args.keymap.or(places.keymap);
     needs_terminal()?;
-    if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
+    if let Some(address) = real::address(&args.robot, places.port)? {
         return real::console(&address, glue::keymap(keys.as_deref())?, &common);
     }
     only_real(common.resume.as_deref())?;

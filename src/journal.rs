@@ -33,6 +33,14 @@ pub const VERSION: u32 = 1;
 /// First word of every journal.
 const MAGIC: &str = "periplus-journal";
 
+/// Whether this is all that there is of a record whose header was never written whole: nothing of a run
+/// is lost with it.
+#[must_use]
+pub fn is_unbegun(bytes: &[u8]) -> bool {
+    let magic = MAGIC.as_bytes();
+    !bytes.contains(&b'\n') && (magic.starts_with(bytes) || bytes.starts_with(magic))
+}
+
 /// What a run was started with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {

@@ -27,6 +27,8 @@
 //! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments; `runtime::live` is a session
 //!    with a real robot, `runtime::line` the thread that keeps its port.
 //!
+//! `spelling`, which all that reads words may ask, is what somebody likely meant.
+//!
 //! What is absent on purpose: the core never reads a clock or a file, and never sees the
 //! simulator's truth, which goes from the link to the exports alone.
 
@@ -44,4 +46,5 @@ pub mod runtime;
 pub mod safety;
 pub mod session;
 pub mod simulator;
+pub mod spelling;
 pub mod wire;

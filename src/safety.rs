@@ -1,7 +1,11 @@
 //! The one gate through which every command passes on its way to the robot.
 //!
 //! It knows the limits of the chassis and whether a stop is latched; it refuses what breaks them.
-//! It decides nothing else.
+//! It decides nothing else. [`leap`] is its counterpart for what the robot says.
+
+pub mod leap;
+
+pub use leap::{Leap, Watch};
 
 use crate::robot::{Chassis, Command, Motion};
 

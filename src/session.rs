@@ -15,7 +15,7 @@ use crate::mapping::mission::{Mission, Outcome, Output};
 use crate::mapping::settings::Settings;
 use crate::mapping::tape::Tape;
 use crate::robot::{Command, Intent, Telemetry};
-use crate::safety::Gate;
+use crate::safety::{Gate, Leap, Watch};
 use std::collections::VecDeque;
 
 /// What leaves the session.
@@ -39,6 +39,9 @@ const KEPT_EVENTS: usize = 500;
 pub struct Session {
     mission: Mission,
     gate: Gate,
+    watch: Watch,
+    /// What the robot said last cannot be.
+    fault: Option<Leap>,
     run: RunState,
     until: Phase,
     progress: [PhaseProgress; 4],
@@ -56,6 +59,8 @@ impl Session {
     pub fn new(settings: Settings, source: String, until: Phase) -> Self {
         Self {
             gate: Gate::new(&settings.chassis),
+            watch: Watch::new(&settings.chassis),
+            fault: None,
             mission: Mission::new(settings),
             run: RunState::Paused,
             until,
@@ -98,13 +103,44 @@ impl Session {
         self.version
     }
 
+    /// Why the last message of the robot was not believed; none when it was.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        self.fault.map(|leap| format!("the robot cannot be believed: {leap}"))
+    }
+
+    /// A message that cannot be true stops the robot and is not taken for a way that it went. Until the
+    /// robot counts on from where it was believed to be, the stop comes back whenever it is cleared.
+    fn disbelieve(&mut self, leap: Leap, out: &mut Vec<Outgoing>) {
+        self.version += 1;
+        self.fault = Some(leap);
+        if self.gate.is_latched() {
+            return;
+        }
+        out.push(Outgoing::Stop);
+        self.gate.latch();
+        if !matches!(self.run, RunState::Complete | RunState::Failed(_)) {
+            self.run = RunState::Stopped;
+        }
+        let what = format!(
+            "the robot cannot be believed: {leap}. Look at its encoders and at the line; switch it off and \
+             on, and it finds its place again"
+        );
+        self.note(EventKind::Alarm { what }, out);
+    }
+
     /// Takes one message of the robot and goes on if that is allowed.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Outgoing>) {
+        let input = match self.watch.admit(input) {
+            Ok(input) => input,
+            Err(leap) => return self.disbelieve(leap, out),
+        };
+        self.fault = None;
         let phase = self.mission.phase() as usize;
         let tracker = self.mission.tracker();
         let (time, travelled) = (tracker.time_us(), tracker.travelled());
         let mut outputs = Vec::new();
-        self.mission.telemetry(input, &mut outputs);
+        self.mission.telemetry(&input, &mut outputs);
         let tracker = self.mission.tracker();
         self.progress[phase].seconds += tracker.time_us().saturating_sub(time) as f64 * 1e-6;
         self.progress[phase].travel += tracker.travelled() - travelled;

@@ -1,37 +1,13 @@
 //! The program as a shell sees it: exit status, and where which words go.
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
+mod shell;
+
+use shell::{periplus, place, refused};
 use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
-
-fn periplus(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_periplus"))
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
-}
-
-/// An empty folder for one test.
-fn place(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("a folder for the test");
-    path
-}
-
-/// Asserts that the program refuses with status 2 and one message that has all of `words` in it.
-fn refused(arguments: &[&str], words: &[&str]) {
-    let output = periplus(arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?} ended otherwise: {message}");
-    assert!(!message.contains("panicked"), "{arguments:?} panicked: {message}");
-    for word in words {
-        assert!(message.contains(word), "{arguments:?}: no `{word}` in: {message}");
-    }
-}
+use std::process::{Command, Stdio};
 
 #[test]
 fn help_and_version_are_results() {
@@ -103,6 +79,11 @@ fn a_settings_file_is_told_by_file_line_and_key() {
     let shown = file.to_str().expect("a plain path");
     let cases: &[(&str, &[&str])] = &[
         ("seed = 3\nalpa = 0.3\n", &["run.toml:2:", "`alpa`", "did you mean `alpha`"]),
+        ("\u{feff}alpa = 0.3\n", &["run.toml:1:", "`alpa`"]),
+        ("out = \"a\"\nport = \"tcp://nowhere\"\n", &["run.toml:2: `port`", "tcp://HOST:PORT"]),
+        ("wallpaper = 3\n", &["run.toml:1:", "`wallpaper`", "those there are: alpha, plan"]),
+        ("\"a\\u001b[2J\" = 3\n", &["run.toml:1:", "unknown key `a?[2J`"]),
+        ("out = \"a\"\nresume = \"b\"\n", &["run.toml:2:", "`resume`", "leave out"]),
         ("\nalpha = 0\n", &["run.toml:2:", "`alpha`", "length"]),
         ("alpha = nan\n", &["run.toml:1:", "not a finite number"]),
         ("plan = \"leen\"\n", &["run.toml:1:", "paper, lean, lanes"]),
@@ -114,6 +95,9 @@ fn a_settings_file_is_told_by_file_line_and_key() {
         refused(&["run", "--config", shown], words);
     }
     refused(&["run", "--config", "/nowhere/run.toml"], &["/nowhere/run.toml"]);
+    fs::write(&file, "laps = 1\n").expect("a settings file");
+    refused(&["calibrate", "--config", shown], &["laps: two at least"]);
+    refused(&["calibrate", "--laps", "1"], &["laps: two at least"]);
     fs::write(&file, "alpha = 0.3\nstart = [1, 2, 90]\nworld = \"room.toml\"\n").expect("a file");
     refused(&["run", "--config", shown], &["needs --out DIR"]);
 }
@@ -214,11 +198,18 @@ fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
         (&["--start", "9,9,0"], &["--start", "outside the room"]),
         (&["--start", "0.01,1,0"], &["--start"]),
         (&["--chassis", "/nowhere/robot.toml"], &["/nowhere/robot.toml"]),
+        (&["--resume", "a"], &["--resume", "cannot be used with", "--out"]),
     ];
     for (more, words) in cases {
         let arguments = [&["run", "--world", world, "--out", to], *more].concat();
         refused(&arguments, words);
     }
+    let config = dir.join("run.toml");
+    fs::write(&config, "alpha = 0.3\nstart = [9, 9, 0]\n").expect("a settings file");
+    let config = config.to_str().expect("a path");
+    let from_file = ["run", "--world", world, "--out", to, "--config", config];
+    refused(&from_file, &["run.toml:2: `start`", "outside the room"]);
+    refused(&[&from_file[..], &["--start", "8,8,0"]].concat(), &["--start", "(8, 8) lies outside"]);
     assert!(!out.exists(), "a refused run has made its folder");
 }
 
@@ -235,6 +226,7 @@ fn a_chassis_is_read_strictly() {
         ("sensors = 3\n", &["robot.toml:1:", "from 4 to 16"]),
         ("[[sensors]]\nname = \"front\"\nangel = 0\n", &["robot.toml:3:", "`angel`", "`angle`"]),
         ("speed = \"fast\"\n", &["robot.toml:1:", "`speed`", "a string"]),
+        ("range = 0.02\nhysteresis = 0.05\n", &["robot.toml:2:", "larger than the range"]),
     ];
     for (text, words) in cases {
         fs::write(&file, text).expect("a chassis");
@@ -271,6 +263,11 @@ fn ports_and_robots_are_refused_with_what_to_try() {
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
     refused(&["robot", "--world", world], &["--pty"]);
     refused(&["robot", "--world", world, "--pty", "--speed", "0"], &["--speed", "0.1"]);
+    refused(
+        &["robot", "--world", world, "--pty", "--faults", "drop=2"],
+        &["drop=2", "from 0 to 1"],
+    );
+    refused(&["run", "--port", world, "--out", out], &["a file or a folder", "periplus ports"]);
 }
 
 #[test]

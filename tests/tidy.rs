@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 /// Lower ranks never import higher ones; equal ranks do not import each other.
 const RANKS: &[(&str, u8)] = &[
     ("geometry", 0),
+    ("spelling", 0),
     ("robot", 1),
     ("wire", 2),
     ("mapping", 2),

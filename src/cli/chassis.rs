@@ -14,23 +14,11 @@
 use super::ArgumentError;
 use super::settings_file::{Entry, SettingsFile, kind};
 use crate::geometry::angle;
-use crate::robot::{Chassis, SensorMount};
+use crate::robot::bounds::{MEASURES, Measure, SWITCHES};
+use crate::robot::{Chassis, SensorMount, Unfit};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-const KEYS: [&str; 10] = [
-    "radius",
-    "wheel_base",
-    "tick",
-    "range",
-    "hysteresis",
-    "speed",
-    "turn_rate",
-    "acceleration",
-    "bumper_half_angle",
-    "sensors",
-];
 
 /// Reads a chassis.
 ///
@@ -40,49 +28,41 @@ pub fn read(path: &Path) -> Result<Chassis, ArgumentError> {
     let file = SettingsFile::open(path)?;
     let table = file.table()?;
     let mut chassis = Chassis::default();
-    for entry in file.entries(table.get_ref()) {
+    let entries = file.entries(table.get_ref());
+    for entry in &entries {
         if entry.key == "sensors" {
-            chassis.sensors = sensors(&file, &entry)?;
+            chassis.sensors = sensors(&file, entry)?;
             continue;
         }
-        let Some((slot, low, high)) = slot(&mut chassis, &entry.key) else {
-            return Err(file.unknown(&entry, &KEYS));
+        let Some(measure) = MEASURES.iter().find(|measure| measure.name == entry.key) else {
+            let keys: Vec<&str> = MEASURES.iter().map(|measure| measure.name).collect();
+            return Err(file.unknown(entry, &[&keys[..], &["sensors"]].concat()));
         };
-        let value = entry.number().map_err(|why| file.bad(&entry, &why))?;
+        let Measure { low, high, degrees, of, .. } = *measure;
+        let value = entry.number().map_err(|why| file.bad(entry, &why))?;
         if !(low..=high).contains(&value) {
             let why = format!("{value} is not between {low} and {high}");
-            return Err(file.bad(&entry, &why));
+            return Err(file.bad(entry, &why));
         }
-        *slot = match entry.key.as_str() {
-            "turn_rate" | "bumper_half_angle" => value.to_radians(),
-            _ => value,
-        };
+        *of(&mut chassis) = if degrees { value.to_radians() } else { value };
     }
-    Ok(chassis)
-}
-
-/// Where a number belongs and between which limits it makes sense, in the file's units.
-fn slot<'c>(chassis: &'c mut Chassis, key: &str) -> Option<(&'c mut f64, f64, f64)> {
-    Some(match key {
-        "radius" => (&mut chassis.radius, 0.01, 1.0),
-        "wheel_base" => (&mut chassis.wheel_base, 0.01, 2.0),
-        "tick" => (&mut chassis.tick, 1e-6, 0.02),
-        "range" => (&mut chassis.range, 0.005, 1.0),
-        "hysteresis" => (&mut chassis.hysteresis, 0.0, 0.1),
-        "speed" => (&mut chassis.speed, 0.01, 2.0),
-        "turn_rate" => (&mut chassis.turn_rate, 1.0, 720.0),
-        "acceleration" => (&mut chassis.acceleration, 0.05, 20.0),
-        "bumper_half_angle" => (&mut chassis.bumper_half_angle, 0.0, 180.0),
-        _ => return None,
-    })
+    let Err(unfit) = chassis.check() else { return Ok(chassis) };
+    let keys: &[&str] = match &unfit {
+        Unfit::Measure { name, .. } => &[name],
+        Unfit::Hysteresis { .. } => &["hysteresis", "range"],
+        Unfit::Switches { .. } | Unfit::Switch { .. } => &["sensors"],
+    };
+    let blamed = keys.iter().find_map(|key| entries.iter().find(|entry| entry.key == *key));
+    let why = unfit.to_string();
+    Err(blamed.map_or_else(|| file.whole(&why), |entry| file.bad(entry, &why)))
 }
 
 fn sensors(file: &SettingsFile, entry: &Entry<'_>) -> Result<Vec<SensorMount>, ArgumentError> {
     let mounts = match entry.value {
         DeValue::Integer(_) => {
             let count = entry.number().map_err(|why| file.bad(entry, &why))?;
-            if !(4.0..=16.0).contains(&count) {
-                return Err(file.bad(entry, "a robot has from 4 to 16 switches"));
+            if !SWITCHES.contains(&(count as usize)) {
+                return Err(file.bad(entry, &how_many()));
             }
             return Ok(Chassis::with_switches(count as usize).sensors);
         }
@@ -93,11 +73,11 @@ fn sensors(file: &SettingsFile, entry: &Entry<'_>) -> Result<Vec<SensorMount>, A
         }
     };
     let mounts: Vec<SensorMount> = mounts?;
-    if (4..=16).contains(&mounts.len()) {
-        Ok(mounts)
-    } else {
-        Err(file.bad(entry, "a robot has from 4 to 16 switches"))
-    }
+    if SWITCHES.contains(&mounts.len()) { Ok(mounts) } else { Err(file.bad(entry, &how_many())) }
+}
+
+fn how_many() -> String {
+    format!("a robot has from {} to {} switches", SWITCHES.start(), SWITCHES.end())
 }
 
 fn mount(

@@ -16,8 +16,8 @@ pub struct Places {
     pub keymap: Option<PathBuf>,
     /// Phase whose end completes the run.
     pub until: Option<Phase>,
-    /// Serial port or address of a real robot.
-    pub port: Option<String>,
+    /// Serial port or address of a real robot, and file, line and key that it came from.
+    pub port: Option<(String, String)>,
 }
 
 const KEYS: [&str; 16] = [
@@ -33,7 +33,13 @@ pub fn read(path: &Path, flags: &mut Common) -> Result<Places, ArgumentError> {
     let file = SettingsFile::open(path)?;
     let table = file.table()?;
     let mut places = Places::default();
-    for entry in file.entries(table.get_ref()) {
+    let entries = file.entries(table.get_ref());
+    let both = ["out", "resume"].iter().all(|key| entries.iter().any(|entry| entry.key == *key));
+    if both && let Some(entry) = entries.iter().find(|entry| entry.key == "resume") {
+        let why = "a run that goes on stays in its folder; leave out `out` or `resume`";
+        return Err(file.bad(entry, why));
+    }
+    for entry in entries {
         if !KEYS.contains(&entry.key.as_str()) {
             return Err(file.unknown(&entry, &KEYS));
         }
@@ -57,7 +63,12 @@ fn set(
         "contour" => fill(&mut flags.contour, values::named_contour(text)?),
         "noise" => fill(&mut flags.noise, values::named_noise(text)?),
         "seed" => fill(&mut flags.seed, values::seed(text)?),
-        "start" => fill(&mut flags.start, values::start(text)?),
+        "start" => {
+            if flags.start.is_none() {
+                flags.start_place = Some(file.place(entry));
+            }
+            fill(&mut flags.start, values::start(text)?);
+        }
         "laps" => fill(&mut flags.laps, values::laps(text)?),
         "square" => flags.square |= values::yes(text)?,
         "tape" => fill(&mut flags.tape, values::tape(text)?),
@@ -67,7 +78,7 @@ fn set(
         "world" => fill(&mut places.world, path()),
         "keymap" => fill(&mut places.keymap, path()),
         "until" => fill(&mut places.until, values::named_phase(text)?),
-        _ => fill(&mut places.port, words),
+        _ => fill(&mut places.port, (words, file.place(entry))),
     }
     Ok(())
 }

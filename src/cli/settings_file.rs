@@ -2,6 +2,7 @@
 //! key names the nearest known one. Knows no particular key.
 
 use super::ArgumentError;
+use crate::spelling::unknown_key;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -31,7 +32,13 @@ impl SettingsFile {
     /// When it cannot be opened or is not text.
     pub fn open(path: &Path) -> Result<Self, ArgumentError> {
         match std::fs::read_to_string(path) {
-            Ok(text) => Ok(Self { path: path.to_owned(), text }),
+            Ok(mut text) => {
+                // Some editors put a mark of the byte order before everything else.
+                if text.starts_with('\u{feff}') {
+                    text.remove(0);
+                }
+                Ok(Self { path: path.to_owned(), text })
+            }
             Err(error) => {
                 Err(ArgumentError::Unreadable { path: path.to_owned(), reason: error.to_string() })
             }
@@ -65,14 +72,22 @@ impl SettingsFile {
 
     /// The complaint about an unknown key.
     pub fn unknown(&self, entry: &Entry<'_>, known: &[&str]) -> ArgumentError {
-        let nearest = known.iter().min_by_key(|name| distance(name, &entry.key));
-        let hint = nearest.map_or(String::new(), |name| format!(", did you mean `{name}`?"));
-        self.problem(entry.line, &format!("unknown key `{}`{hint}", entry.key))
+        self.problem(entry.line, &unknown_key(&entry.key, known))
+    }
+
+    /// The complaint about values that do not go together.
+    pub fn whole(&self, why: &str) -> ArgumentError {
+        ArgumentError::Unreadable { path: self.path.clone(), reason: why.to_owned() }
     }
 
     /// The complaint about the value of a key.
     pub fn bad(&self, entry: &Entry<'_>, why: &str) -> ArgumentError {
         self.problem(entry.line, &format!("`{}`: {why}", entry.key))
+    }
+
+    /// File, line and key of an entry, for complaints that come later.
+    pub fn place(&self, entry: &Entry<'_>) -> String {
+        format!("{}:{}: `{}`", self.path.display(), entry.line, entry.key)
     }
 
     /// A path that the file names, which is relative to the file's folder.
@@ -144,20 +159,4 @@ fn words(value: &DeValue<'_>) -> Result<String, String> {
         }
         other => Err(format!("a {} does not fit here", kind(other))),
     }
-}
-
-/// How many letters must change to make one word the other (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut corner = row[0];
-        row[0] = i + 1;
-        for (j, &to) in b.iter().enumerate() {
-            let replaced = corner + usize::from(from != to);
-            corner = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(corner + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -4,7 +4,7 @@ use super::{ArgumentError, chassis, config};
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
 use crate::mapping::map::Phase;
-use crate::mapping::settings::{Contour, Settings, Strategy};
+use crate::mapping::settings::{Contour, LEAST_ALPHA, MOST_LAPS, Settings, Strategy};
 use crate::mapping::tape::{Tape, TapeError};
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;
@@ -35,6 +35,9 @@ pub struct Common {
     /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's]
     #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
     pub start: Option<Pose>,
+    /// File, line and key that the start came from; none when it is a flag's.
+    #[arg(skip)]
+    pub start_place: Option<String>,
     /// Laps of the boundary; each after the first goes the other way round and is averaged in
     /// [default: 1]
     #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
@@ -55,7 +58,7 @@ pub struct Common {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Folder of an interrupted run to go on with
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
     /// With --resume, a robot that was carried: about where it stands now
     #[arg(
@@ -129,7 +132,10 @@ fn number(text: &str) -> Result<f64, String> {
 /// α: metres, above zero. Whether it fits the room is asked when the room is known.
 pub(super) fn alpha(text: &str) -> Result<f64, String> {
     match number(text)? {
-        value if value < 0.01 => Err("α is a length of at least 0.01 m, such as 0.25".to_owned()),
+        value if value < LEAST_ALPHA => {
+            Err("α is a length of at least 0.01 m, such as 0.25".to_owned())
+        }
+        value if value > 1000.0 => Err("α is a length of at most 1000 m, such as 0.25".to_owned()),
         value => Ok(value),
     }
 }
@@ -139,7 +145,7 @@ pub(super) fn laps(text: &str) -> Result<u32, String> {
     text.trim()
         .parse()
         .ok()
-        .filter(|laps| (1..=9).contains(laps))
+        .filter(|laps| (1..=MOST_LAPS).contains(laps))
         .ok_or_else(|| format!("`{}` is no number of laps from 1 to 9", text.trim()))
 }
 
@@ -273,7 +279,7 @@ mod tests {
         let pose = start("0.5, -1, 90").expect("a pose");
         assert!((pose.heading - angle::FRAC_PI_2).abs() < 1e-12);
         assert_eq!((pose.position.x, pose.position.y), (0.5, -1.0));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
+        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c", "1e6,0,0", "0,0,1e308"] {
             assert!(start(bad).is_err(), "start of `{bad}` was taken");
         }
     }
@@ -285,6 +291,9 @@ mod tests {
         for bad in
             ["", "5", "0,0=5", "0,0:1,1", "0,0:1=2", "0,0:1,1=x", "0,0:1,1=0.1", "0,0:1,1=-2"]
         {
+            assert!(tape(bad).is_err(), "tape of `{bad}` was taken");
+        }
+        for bad in ["1,1:1,1=5", "0,0:1e300,0=5", "0,0:5,0=1e300"] {
             assert!(tape(bad).is_err(), "tape of `{bad}` was taken");
         }
     }

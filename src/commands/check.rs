@@ -18,7 +18,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
             Ok(kind) => format!("{}: ok, {kind}\n", path.display()),
             Err(error) => {
                 bad = true;
-                format!("{error}\n")
+                format!("{}\n", output::harmless(&error))
             }
         };
         output::print(&line)?;

@@ -1,10 +1,11 @@
 //! `periplus export`: hands over one result of a finished run under another name.
 
-use super::CommandError;
+use super::{CommandError, output};
 use crate::cli::{ExportArgs, ExportFormat};
 use crate::export::native::MapFile;
 use crate::export::ros;
-use crate::runtime::folder::write_whole;
+use crate::runtime::folder::{self, write_whole};
+use std::path::{Path, PathBuf};
 
 /// Writes the result that was asked for.
 ///
@@ -18,46 +19,108 @@ pub fn export(args: &ExportArgs) -> Result<u8, CommandError> {
         ExportFormat::Png => "map.png",
         ExportFormat::Ros => return ros(args),
     };
+    if is_standard_output(&args.out) {
+        output::print_bytes(&result(args, name)?)?;
+        return Ok(0);
+    }
+    spare_results(&args.dir, &args.out)?;
     write_whole(&args.out, &result(args, name)?)?;
     Ok(0)
 }
 
 /// A YAML file, and its picture beside it.
 fn ros(args: &ExportArgs) -> Result<u8, CommandError> {
+    let (yaml, picture) = (&args.out, args.out.with_extension("pgm"));
+    let refused = |why: String| Err(CommandError::Input(format!("{}: {why}", yaml.display())));
+    let writes = "--format ros writes a YAML file and its picture beside it; name the YAML file";
+    if is_standard_output(yaml) || folder::is_device(yaml) {
+        return refused(format!("{writes}, for example map.yaml"));
+    }
+    if picture == *yaml {
+        let example = yaml.with_extension("yaml");
+        return refused(format!("{writes}, for example {}", example.display()));
+    }
+    if folder::is_device(&picture) {
+        return refused(format!("{} is in the way of its picture", picture.display()));
+    }
+    spare_results(&args.dir, yaml)?;
+    spare_results(&args.dir, &picture)?;
     let text = result(args, "map.json")?;
     let path = args.dir.join("map.json");
     let map = MapFile::parse(&String::from_utf8_lossy(&text))
         .map_err(|error| CommandError::Input(format!("{}: {error}", path.display())))?;
-    let picture = args.out.with_extension("pgm");
-    if picture == args.out {
+    let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let files = ros::write(&map, &name)
+        .map_err(|error| CommandError::Input(format!("{}: {error}", path.display())))?;
+    write_whole(&picture, &files.pgm)?;
+    write_whole(yaml, files.yaml.as_bytes())?;
+    Ok(0)
+}
+
+/// Whether `out` is what a shell calls standard output.
+fn is_standard_output(out: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| out == Path::new(name))
+}
+
+/// Refuses to write over what a run left, be it this run or another.
+fn spare_results(dir: &Path, out: &Path) -> Result<(), CommandError> {
+    // What a link leads to is what would be lost.
+    let whole = std::fs::canonicalize(out).unwrap_or_else(|_error| out.to_owned());
+    let place = |path: &Path| {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        let parent = parent.map_or_else(|| PathBuf::from("."), Path::to_owned);
+        std::fs::canonicalize(&parent).unwrap_or(parent)
+    };
+    let folder = place(&whole);
+    let is_result =
+        whole.file_name().is_some_and(|name| folder::RESULTS.iter().any(|r| name == *r));
+    let holds_run = folder::MARKS.iter().any(|mark| folder.join(mark).exists())
+        || std::fs::canonicalize(dir).is_ok_and(|dir| dir == folder);
+    if is_result && holds_run {
         return Err(CommandError::Input(format!(
-            "{}: --format ros writes a YAML file and its picture beside it; name the YAML file, \
-             for example {}",
-            args.out.display(),
-            args.out.with_extension("yaml").display()
+            "--out {}: that file belongs to the run in {}; name another one",
+            out.display(),
+            folder.display()
         )));
     }
-    let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let Some(files) = ros::write(&map, &name) else {
-        return Err(CommandError::Input(format!(
-            "{}: the boundary is not closed; a ROS map needs an inside and an outside",
-            path.display()
-        )));
-    };
-    write_whole(&picture, &files.pgm)?;
-    write_whole(&args.out, files.yaml.as_bytes())?;
-    Ok(0)
+    Ok(())
 }
 
 /// The bytes of one result of the run.
 fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
     let path = args.dir.join(name);
-    std::fs::read(&path).map_err(|error| {
-        let hint = if args.dir.join("journal").exists() {
-            "the run has not ended there; its record is whole, its results were never written"
-        } else {
-            "name the --out folder of a finished run"
-        };
-        CommandError::Input(format!("{}: {error}; {hint}", path.display()))
-    })
+    let refused = |what: &str| {
+        let hint = why_missing(&args.dir);
+        Err(CommandError::Input(format!("{}: {what}; {hint}", path.display())))
+    };
+    match std::fs::read(&path) {
+        Ok(bytes) if bytes.is_empty() => refused("the file is empty"),
+        Ok(bytes) if name.ends_with("json") && !is_json(&bytes) => refused("the file is damaged"),
+        Ok(bytes) => Ok(bytes),
+        Err(error) => refused(&error.to_string()),
+    }
+}
+
+fn is_json(bytes: &[u8]) -> bool {
+    serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok()
+}
+
+/// What the record says of a run whose results are not there.
+fn why_missing(dir: &Path) -> String {
+    if !dir.join("journal").exists() {
+        return "name the --out folder of a finished run".to_owned();
+    }
+    match crate::journal::read(dir) {
+        Ok(recording) if recording.torn.is_none() => {
+            let records = recording.records.len();
+            format!("its results were not written; its record is there, {records} entries of it")
+        }
+        Ok(recording) => {
+            let records = recording.records.len();
+            format!("its results were not written; its record was cut off after {records} entries")
+        }
+        Err(error) => {
+            format!("its results were not written, and its record cannot be read: {error}")
+        }
+    }
 }

@@ -2,6 +2,7 @@
 //! whole of that meeting; everything else in [`super`] is written against them.
 
 use super::CommandError;
+use super::ending::Kept;
 use crate::cli::{Common, FrameFormat, FrameSize, SnapshotArgs};
 use crate::console::app::{self, Options};
 use crate::console::driver::Driver;
@@ -73,20 +74,26 @@ pub fn console(
     let out = common.out.clone().map_or_else(state_folder, Ok)?;
     OutputFolder::refuse_taken(&out)?;
     let (folder, file) = OutputFolder::create(&out)?;
-    let journal = Journal::begin(file, &header)
-        .map_err(|source| CommandError::System { what: "the record of the run", source })?;
+    let journal = Journal::begin(file, &header).map_err(|source| {
+        folder.discard_unbegun();
+        CommandError::System { what: "the record of the run", source }
+    })?;
     let noise = common.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
     let mut driver = SimulatedDriver::new(run);
     let ended = on_screen(&mut driver, keymap)?;
     let mut headless = Headless::left(driver.into_run());
-    let mut status = 0;
-    for failure in headless.write(&folder) {
-        super::output::say(&format!("periplus: {failure}"));
-        status = 1;
-    }
-    super::output::say(&format!("periplus: recorded in {}", folder.path().display()));
+    let kept = Kept::unless(headless.write(&folder));
+    let status = kept.status(0);
+    say_recorded(&folder, &kept);
     Ok(status_of(ended, status))
+}
+
+/// Says where the run was recorded, if it was.
+pub(super) fn say_recorded(folder: &OutputFolder, kept: &Kept) {
+    if *kept == Kept::Whole {
+        super::output::say(&format!("periplus: recorded in {}", folder.path().display()));
+    }
 }
 
 /// Hands `driver` to the operator until the console is left.

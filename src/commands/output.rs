@@ -9,8 +9,16 @@ use std::io::{self, ErrorKind, Write};
 /// # Errors
 /// [`CommandError::ReaderGone`] when nobody reads any more.
 pub fn print(text: &str) -> Result<(), CommandError> {
+    print_bytes(text.as_bytes())
+}
+
+/// Writes a result that is no text to standard output.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_bytes(bytes: &[u8]) -> Result<(), CommandError> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(CommandError::ReaderGone),
         Err(source) => Err(CommandError::System { what: "standard output", source }),
@@ -19,5 +27,11 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 
 /// Says something on standard error; that nobody listens is not an error.
 pub fn say(text: &str) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", harmless(text));
+}
+
+/// The text without anything that could steer a terminal: it may quote a file of anybody's.
+#[must_use]
+pub fn harmless(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { '?' } else { c }).collect()
 }

@@ -1,5 +1,6 @@
 //! The commands that reach for a port: `run --port`, `console --port`, `robot` and `ports`.
 
+use super::ending::{self, Kept};
 use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
 use crate::console::Keymap;
@@ -27,14 +28,14 @@ use std::time::Duration;
 /// When it is no port's name.
 pub fn address(
     choice: &RobotChoice,
-    configured: Option<&str>,
+    configured: Option<(String, String)>,
 ) -> Result<Option<Address>, CommandError> {
-    let Some(text) = choice.port.as_deref().or(configured.filter(|_| choice.world.is_none()))
-    else {
+    let flag = choice.port.clone().map(|port| (port, "--port".to_owned()));
+    let Some((text, place)) = flag.or(configured.filter(|_| choice.world.is_none())) else {
         return Ok(None);
     };
     let address: Address =
-        text.parse().map_err(|why| CommandError::Input(format!("--port {why}")))?;
+        text.parse().map_err(|why| CommandError::Input(format!("{place}: {why}")))?;
     Ok(Some(address.at_baud(choice.baud)))
 }
 
@@ -62,8 +63,7 @@ fn open(
         Ok(line) => Ok((line, folder)),
         Err(error) => {
             // Nothing happened: the folder stays free for another try.
-            let _ = std::fs::remove_file(folder.path().join("journal"));
-            let _ = std::fs::remove_dir(folder.path());
+            folder.discard_unbegun();
             Err(CommandError::Input(error.to_string()))
         }
     }
@@ -102,6 +102,10 @@ fn take_up(
         session.mission().phase(),
         session.mission().tracker().time_us() as f64 * 1e-6
     ));
+    if common.placed.is_some() && session.mission().phase() == Phase::Boundary {
+        let why = "the boundary is not closed yet: the lap begins anew from --placed";
+        output::say(&format!("periplus: {why}"));
+    }
     let plan =
         Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
     let (folder, journal) = OutputFolder::reopen(dir, sound)?;
@@ -174,10 +178,10 @@ pub fn run(
         ending = last;
     }
     let driven = Driven { ending, signal, wall_seconds: watch.seconds() };
-    let status = write(&mut run, &driven.ending, &folder, driven.wall_seconds, driven.status());
-    let outcome = format!("{:?}", driven.ending.outcome).to_lowercase();
-    let reason = &driven.ending.reason;
-    output::print(&format!("{outcome}: {reason}; results in {}\n", folder.path().display()))?;
+    let kept = write(&mut run, &driven.ending, &folder, driven.wall_seconds);
+    drop(run);
+    let status = kept.status(driven.status());
+    ending::print(&driven.ending, &folder, &kept)?;
     Ok(status)
 }
 
@@ -190,25 +194,15 @@ fn progress_of(snapshot: &Snapshot) -> Progress {
     }
 }
 
-/// Ends the record and writes the results; `status` becomes worse when something fails.
-fn write(
-    run: &mut LiveRun<File>,
-    ending: &Ending,
-    folder: &OutputFolder,
-    seconds: f64,
-    mut status: u8,
-) -> u8 {
-    if let Err(error) = run.conclude() {
-        output::say(&format!("periplus: the record of the run is not whole: {error}"));
-        status = status.max(1);
+/// Ends the record and writes the results; tells what was kept.
+fn write(run: &mut LiveRun<File>, ending: &Ending, folder: &OutputFolder, seconds: f64) -> Kept {
+    let recorded = run.conclude();
+    let record = run.record(ending, seconds);
+    let results = record.map(|record| folder.write_results(&record));
+    if results.is_none() {
+        folder.discard_unbegun();
     }
-    if let Some(record) = run.record(ending, seconds) {
-        for failure in folder.write_results(&record) {
-            output::say(&format!("periplus: {failure}"));
-            status = status.max(1);
-        }
-    }
-    status
+    results.map_or(Kept::Nothing, |failures| Kept::unless(folder.complaint(recorded, &failures)))
 }
 
 /// A robot under an operator's hands; the control thread has it.
@@ -261,14 +255,19 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
     let ended = glue::on_screen(&mut driver, keymap);
     let run = driver.line.leave();
     let ended = ended?;
-    let mut status = 0;
+    let mut kept = Kept::Whole;
     if let Some(mut run) = run {
         let reason = crate::mapping::event::Failure::Ended.to_string();
         let left = Ending { outcome: crate::export::Outcome::Stopped, reason };
         let ending = run.ending().unwrap_or(left);
-        status = write(&mut run, &ending, &folder, watch.seconds(), 0);
+        kept = write(&mut run, &ending, &folder, watch.seconds());
+        if kept == Kept::Nothing {
+            output::say(&format!("periplus: {}; nothing was recorded", ending.reason));
+        }
     }
-    output::say(&format!("periplus: recorded in {}", folder.path().display()));
+    // An operator who leaves before the robot was there has seen that it was not.
+    let status = if kept == Kept::Nothing { 0 } else { kept.status(0) };
+    glue::say_recorded(&folder, &kept);
     Ok(glue::status_of(ended, status))
 }
 

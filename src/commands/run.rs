@@ -1,11 +1,11 @@
 //! `periplus run`: a whole run without a terminal.
 
-use super::{CommandError, glue, output, real, world};
+use super::ending::{self, Kept};
+use super::{CommandError, glue, real, world};
 use crate::cli::{ArgumentError, RunArgs};
 use crate::journal::{Header, Journal};
 use crate::mapping::map::Phase;
 use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
-use std::path::Path;
 
 /// Maps, writes every result and gives the exit status.
 ///
@@ -15,7 +15,7 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
     let out = common.resume.clone().or(common.out.clone()).ok_or_else(|| missing("--out DIR"))?;
-    if let Some(address) = real::address(&args.robot, places.port.as_deref())? {
+    if let Some(address) = real::address(&args.robot, places.port)? {
         return real::run(&address, &common, until, &out);
     }
     let world = args.robot.world.or(places.world);
@@ -33,8 +33,10 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     };
 
     let (folder, file) = OutputFolder::create(&out)?;
-    let journal = Journal::begin(file, &header)
-        .map_err(|source| CommandError::System { what: "the record of the run", source })?;
+    let journal = Journal::begin(file, &header).map_err(|source| {
+        folder.discard_unbegun();
+        CommandError::System { what: "the record of the run", source }
+    })?;
     let mut runner = glue::simulated(&world, &header, noise, journal)?;
     let signals = Signals::listen()
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;
@@ -50,12 +52,14 @@ const BOTH_WAYS: u32 = 2;
 /// # Errors
 /// As [`run`].
 pub fn calibrate(mut args: RunArgs) -> Result<u8, CommandError> {
-    if args.common.laps.is_some_and(|laps| laps < BOTH_WAYS) {
-        let why = "--laps: two at least, one way round and the other, or nothing is measured";
+    // A settings file may say as much as the flags.
+    let (asked, places) = args.common.clone().with_config()?;
+    if asked.laps.is_some_and(|laps| laps < BOTH_WAYS) {
+        let why = "laps: two at least, one way round and the other, or nothing is measured";
         return Err(CommandError::Input(why.to_owned()));
     }
-    args.common.laps.get_or_insert(BOTH_WAYS);
-    args.until.get_or_insert(Phase::Shape);
+    args.common.laps = asked.laps.or(Some(BOTH_WAYS));
+    args.until = args.until.or(places.until).or(Some(Phase::Shape));
     run(args)
 }
 
@@ -65,24 +69,12 @@ fn finish(
     driven: &Driven,
     folder: &OutputFolder,
 ) -> Result<u8, CommandError> {
-    let mut status = driven.status();
-    if let Err(error) = runner.finish_journal() {
-        output::say(&format!("periplus: the record of the run is not whole: {error}"));
-        status = status.max(1);
-    }
+    let recorded = runner.finish_journal();
     let record = runner.record(&driven.ending, driven.wall_seconds);
-    for failure in folder.write_results(&record) {
-        output::say(&format!("periplus: {failure}"));
-        status = status.max(1);
-    }
-    let ending = &driven.ending;
-    let outcome = format!("{:?}", ending.outcome).to_lowercase();
-    output::print(&format!("{outcome}: {}; results in {}\n", ending.reason, shown(folder.path())))?;
+    let kept = Kept::unless(folder.complaint(recorded, &folder.write_results(&record)));
+    let status = kept.status(driven.status());
+    ending::print(&driven.ending, folder, &kept)?;
     Ok(status)
-}
-
-fn shown(path: &Path) -> String {
-    path.display().to_string()
 }
 
 fn missing(flag: &'static str) -> ArgumentError {

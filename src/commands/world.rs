@@ -30,7 +30,8 @@ fn input(error: crate::simulator::WorldError) -> CommandError {
 
 fn fitted(mut world: World, common: &Common, radius: f64) -> Result<World, CommandError> {
     if let Some(start) = common.start {
-        world = world.with_start(start, radius).map_err(input)?;
+        let place = common.start_place.as_deref().unwrap_or("--start");
+        world = world.with_start(start, place, radius).map_err(input)?;
     }
     let (low, high) = world.boundary.bounds().unwrap_or_default();
     if let Some(alpha) = common.alpha {

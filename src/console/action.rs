@@ -199,38 +199,6 @@ impl Action {
     }
 }
 
-/// The one of `names` that `word` was most likely meant to be; none when nothing is near.
-#[must_use]
-pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let far = 1 + word.chars().count() / 3;
-    names
-        .into_iter()
-        .map(|name| (distance(word, name), name))
-        .filter(|&(distance, name)| distance <= far || (word.len() > 1 && name.starts_with(word)))
-        .min_by_key(|&(distance, name)| (!name.starts_with(word), distance))
-        .map(|(_, name)| name)
-}
-
-/// How many letters must be added, dropped, changed or swapped to turn `a` into `b`
-/// (optimal string alignment).
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            table[i][j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let swap = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
-                let change = table[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let best = change.min(table[i - 1][j] + 1).min(table[i][j - 1] + 1);
-                if swap { best.min(table[i - 2][j - 2] + 1) } else { best }
-            };
-        }
-    }
-    table[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,15 +215,5 @@ mod tests {
             assert_eq!(Action::named(info.name), Some(info.action));
             assert!(!info.help.is_empty(), "{} has no help", info.name);
         }
-    }
-
-    #[test]
-    fn the_nearest_name_is_the_one_meant() {
-        let names = || ACTIONS.iter().map(|info| info.name);
-        assert_eq!(nearest("stpo", names()), Some("stop"));
-        assert_eq!(nearest("quti", names()), Some("quit"));
-        assert_eq!(nearest("step-comand", names()), Some("step-command"));
-        assert_eq!(nearest("traj", names()), Some("trajectory"));
-        assert_eq!(nearest("xylophone", names()), None);
     }
 }

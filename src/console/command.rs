@@ -4,11 +4,12 @@
 //! The stop key stops the robot even while a command is typed, and by default that key is the
 //! space bar. So a word and its argument may be parted by `=` as well: `alpha=0.3`.
 
-use super::action::{ACTIONS, Action, nearest};
+use super::action::{ACTIONS, Action};
 use super::driver::Speed;
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
 use crate::mapping::tape::{Tape, TapeError};
+use crate::spelling::nearest;
 use thiserror::Error;
 
 /// Commands that take an argument: name, what follows, what it does.

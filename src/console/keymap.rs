@@ -1,8 +1,9 @@
 //! Which key asks for which action: a strict TOML file, the built-in one or the operator's own.
 //! Owns parsing and look-up; what keys and actions are is said in their own files.
 
-use super::action::{ACTIONS, Action, nearest};
+use super::action::{ACTIONS, Action};
 use super::key::Key;
+use crate::spelling::nearest;
 use std::ops::Range;
 use thiserror::Error;
 

@@ -134,7 +134,16 @@ pub enum NativeError {
         /// The file's version.
         found: u32,
     },
+    /// An outline that no robot has gone round.
+    #[error("{what} reaches more than 100 km from the origin: the file is damaged")]
+    Far {
+        /// Whose outline.
+        what: String,
+    },
 }
+
+/// Nothing on a map is farther from its origin in x or y, metres.
+const FAR: f64 = 1e5;
 
 impl MapFile {
     /// The map of a run.
@@ -197,7 +206,19 @@ impl MapFile {
         if version.periplus_map > VERSION {
             return Err(NativeError::Newer { found: version.periplus_map });
         }
-        serde_json::from_str(text).map_err(form)
+        let map: Self = serde_json::from_str(text).map_err(form)?;
+        map.far().map_or(Ok(map), |what| Err(NativeError::Far { what }))
+    }
+
+    /// Whose outline is nowhere near the origin.
+    fn far(&self) -> Option<String> {
+        let boundary = self.boundary.iter().map(|outline| ("boundary".to_owned(), outline));
+        let parts = self.parts.iter().enumerate();
+        let parts = parts.map(|(k, part)| (format!("parts[{k}]"), &part.outline));
+        let objects = self.objects.iter().enumerate();
+        let objects = objects.map(|(k, object)| (format!("objects[{k}]"), &object.outline));
+        let mut all = boundary.chain(parts).chain(objects);
+        all.find(|(_, outline)| !outline.is_near()).map(|(what, _)| what)
     }
 }
 
@@ -255,6 +276,13 @@ impl Outline {
             return Self::Circle { circle };
         }
         Self::Vertices(ring.pieces.iter().flat_map(vertices).collect())
+    }
+
+    /// Whether all of it is about the origin; bulges can throw an arc far beyond its ends.
+    fn is_near(&self) -> bool {
+        self.ring().bounds().is_none_or(|(low, high)| {
+            [low.x, low.y, high.x, high.y].iter().all(|value| value.abs() <= FAR)
+        })
     }
 
     /// The ring of an outline.
@@ -354,5 +382,13 @@ mod tests {
         assert!(error.to_string().starts_with("line 2: "), "{error}");
         let error = MapFile::parse("{\"periplus_map\": 9}").expect_err("newer");
         assert!(error.to_string().contains("version 9 is newer"), "{error}");
+        let head = r#"{"periplus_map":1,"name":"a","alpha":0.25,"gap":0.34,"start":[1,1,0],"#;
+        let outlines =
+            ["{\"circle\":[1e308,0,1]}", "{\"circle\":[0,0,1e9]}", "[[0,0],[2,0,1e9],[2,2]]"];
+        for outline in outlines {
+            let text = format!("{head}\"boundary\":{outline}}}");
+            let error = MapFile::parse(&text).expect_err("far away").to_string();
+            assert!(error.starts_with("boundary reaches"), "{error}");
+        }
     }
 }

@@ -12,6 +12,8 @@ use crate::geometry::{Point, Ring, Segment};
 const CELL: f64 = 0.02;
 /// Unknown cells around it, metres.
 const MARGIN: f64 = 0.2;
+/// A picture of more cells is none.
+const MOST_CELLS: f64 = 1e8;
 /// Arcs are cut into chords within this, metres.
 const SAGITTA: f64 = 0.001;
 
@@ -29,12 +31,39 @@ pub struct RosMap {
     pub pgm: Vec<u8>,
 }
 
-/// The ROS map of `map`, whose picture will be called `image`; none while the boundary is open.
-#[must_use]
-pub fn write(map: &MapFile, image: &str) -> Option<RosMap> {
-    let boundary = map.boundary.as_ref()?.ring();
+/// Why there is no ROS map of a map.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RosError {
+    /// Nobody has been round yet.
+    #[error("the boundary is not closed; a ROS map needs an inside and an outside")]
+    Open,
+    /// Such a picture would fill the memory.
+    #[error(
+        "a boundary of {width:.0} by {height:.0} m makes a picture of more than 100 million cells; \
+         is the file damaged? `--format geojson` has no such limit"
+    )]
+    TooLarge {
+        /// Extent in x, metres.
+        width: f64,
+        /// Extent in y, metres.
+        height: f64,
+    },
+}
+
+/// The ROS map of `map`, whose picture will be called `image`.
+///
+/// # Errors
+/// While the boundary is open, and when it is too large for a picture.
+pub fn write(map: &MapFile, image: &str) -> Result<RosMap, RosError> {
+    let boundary = map.boundary.as_ref().ok_or(RosError::Open)?.ring();
     let objects: Vec<Ring> = map.objects.iter().map(|object| object.outline.ring()).collect();
-    let (low, high) = boundary.bounds()?;
+    let (low, high) = boundary.bounds().ok_or(RosError::Open)?;
+    let [width, height] = [high.x - low.x, high.y - low.y];
+    // The other way round a size that is no number would pass.
+    let fits = (width + 2.0 * MARGIN) * (height + 2.0 * MARGIN) <= MOST_CELLS * CELL * CELL;
+    if !fits {
+        return Err(RosError::TooLarge { width, height });
+    }
     let grid = Grid::over(low, high, CELL, MARGIN);
     let mut cells = vec![UNKNOWN; grid.len()];
     let walls = segments(&boundary);
@@ -49,7 +78,7 @@ pub fn write(map: &MapFile, image: &str) -> Option<RosMap> {
     let touched: Vec<bool> =
         squared_distances(&grid, &surfaces).iter().map(|square| *square <= half * half).collect();
     paint(&mut cells, &touched, OCCUPIED);
-    Some(RosMap { yaml: yaml(image, &grid), pgm: pgm(&grid, &cells) })
+    Ok(RosMap { yaml: yaml(image, &grid), pgm: pgm(&grid, &cells) })
 }
 
 fn segments(ring: &Ring) -> Vec<Segment> {
@@ -82,6 +111,7 @@ fn pgm(grid: &Grid, cells: &[u8]) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::native::Outline;
     use super::super::sample;
     use super::*;
 
@@ -120,6 +150,16 @@ mod tests {
     fn an_open_boundary_makes_no_map() {
         let mut sample = sample::room();
         sample.map.closed = false;
-        assert_eq!(write(&MapFile::of(&sample.record()), "room.pgm"), None);
+        assert_eq!(write(&MapFile::of(&sample.record()), "room.pgm"), Err(RosError::Open));
+    }
+
+    #[test]
+    fn a_boundary_that_is_too_large_is_no_picture() {
+        let mut file = MapFile::of(&sample::room().record());
+        for size in [1e4, 1e9, 1e308] {
+            file.boundary = Some(Outline::Circle { circle: [0.0, 0.0, size] });
+            let error = write(&file, "room.pgm").expect_err("it cannot be held");
+            assert!(error.to_string().contains("damaged"), "{error}");
+        }
     }
 }

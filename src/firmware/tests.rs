@@ -17,7 +17,7 @@ impl Robot {
     fn at(x: f64, y: f64, heading: f64) -> Self {
         let text = "start = { x = 3.0, y = 2.0 }\n[boundary]\nvertices = [[0, 0], [6, 0], [6, 4], [0, 4]]\n";
         let world = World::from_toml(text, "test", 0.1)
-            .and_then(|world| world.with_start(Pose::new(x, y, heading), 0.1))
+            .and_then(|world| world.with_start(Pose::new(x, y, heading), "start", 0.1))
             .expect("a good world");
         let chassis = Chassis::default();
         Self {

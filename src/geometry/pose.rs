@@ -22,6 +22,14 @@ pub enum PoseError {
     /// One of them is none.
     #[error("`{0}` is not a finite number")]
     Number(String),
+    /// Nowhere near.
+    #[error("a pose is within 100 km of the origin and a whole turn: metres and degrees")]
+    Far,
+}
+
+impl PoseError {
+    /// Nothing is farther from the origin in x or y, metres.
+    const FAR: f64 = 1e5;
 }
 
 /// As people write it: `X,Y,DEG`, metres and degrees counter-clockwise from +x.
@@ -35,8 +43,11 @@ impl FromStr for Pose {
         };
         let parts: Vec<&str> = text.split(',').collect();
         let [x, y, degrees] = parts[..] else { return Err(PoseError::Form) };
-        let heading = angle::wrap(number(degrees)?.to_radians());
-        Ok(Self::new(number(x)?, number(y)?, heading))
+        let (x, y, degrees) = (number(x)?, number(y)?, number(degrees)?);
+        if x.abs() > PoseError::FAR || y.abs() > PoseError::FAR || degrees.abs() > 360.0 {
+            return Err(PoseError::Far);
+        }
+        Ok(Self::new(x, y, angle::wrap(degrees.to_radians())))
     }
 }
 

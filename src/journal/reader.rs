@@ -1,9 +1,14 @@
 //! Reading a record back. A torn tail, as a crash leaves it, is cut off and reported; damage
 //! anywhere else is an error, because a replay over a hole would tell a story that never was.
 
-use super::{Entry, Header, MAGIC, Record, VERSION};
-use crate::robot::{Odometer, SwitchSet, Telemetry};
+use super::{Entry, Header, MAGIC, Record, VERSION, is_unbegun};
+use crate::mapping::settings;
+use crate::mapping::tape::Tape;
+use crate::robot::{Intent, Odometer, SwitchSet, Telemetry};
 use std::path::{Path, PathBuf};
+
+/// Letters of the longest name of a world, or of a robot and its port.
+const LONGEST_SOURCE: usize = 5000;
 
 /// A record that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +57,20 @@ pub enum JournalError {
         /// Its version.
         found: u32,
     },
+    /// Nothing was recorded: the robot never said who it is, or the disk was full.
+    #[error("{}: holds nothing: that run never began; name the folder with --out to begin one in it", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Its header says what no run can be started with.
+    #[error("{}:1: the header tells of {why}; no run can be started so, was it changed by hand?", path.display())]
+    Senseless {
+        /// The file.
+        path: PathBuf,
+        /// What makes no sense.
+        why: String,
+    },
     /// A line before the last is damaged.
     #[error("{}:{line}: {why}; the record is whole up to there", path.display())]
     Damaged {
@@ -81,6 +100,9 @@ pub fn read(path: &Path) -> Result<Recording, JournalError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
+    if is_unbegun(bytes) {
+        return Err(JournalError::Empty { path: path.to_owned() });
+    }
     let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
     let header = header(path, lines.next().unwrap_or_default())?;
     let mut records = Vec::new();
@@ -124,7 +146,18 @@ fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {
     let damaged = |why: String| JournalError::Damaged { path: path.to_owned(), line: 1, why };
     let text = unseal(line).map_err(damaged)?;
     let payload = text.splitn(3, ' ').nth(2).unwrap_or_default();
-    serde_json::from_str(payload).map_err(|error| damaged(error.to_string()))
+    let header: Header =
+        serde_json::from_str(payload).map_err(|error| damaged(error.to_string()))?;
+    let source = header.source.chars().count();
+    let sound = if source > LONGEST_SOURCE {
+        Err(format!("a source with a name of {source} letters"))
+    } else {
+        header.settings.check()
+    };
+    match sound {
+        Ok(()) => Ok(header),
+        Err(why) => Err(JournalError::Senseless { path: path.to_owned(), why }),
+    }
 }
 
 /// The text of a line without its checksum, when the checksum holds.
@@ -160,12 +193,26 @@ fn entry(kind: &str, payload: &str) -> Result<Entry, String> {
         "c" => serde_json::from_str(payload).map(Entry::Command),
         "t" => serde_json::from_str(payload).map(Entry::Telemetry),
         "r" => serde_json::from_str(payload).map(|row| Entry::Telemetry(report(row))),
-        "i" => serde_json::from_str(payload).map(Entry::Intent),
+        "i" => return wish(payload).map(Entry::Intent),
         "e" => serde_json::from_str(payload).map(Entry::Event),
         "p" => serde_json::from_str(payload).map(Entry::PhaseEnd),
         other => return Err(format!("unknown kind `{other}`")),
     };
     parsed.map_err(|error| error.to_string())
+}
+
+/// A wish of the operator, held against what an operator can wish.
+fn wish(payload: &str) -> Result<Intent, String> {
+    let intent: Intent = serde_json::from_str(payload).map_err(|error| error.to_string())?;
+    match intent {
+        Intent::SetAlpha { alpha } => settings::check_alpha(alpha)?,
+        Intent::Placed { near: Some(near) } => settings::check_pose(&near)?,
+        Intent::SetTape { from, to, length } => {
+            Tape { from, to, length }.checked().map_err(|why| why.to_string())?;
+        }
+        _ => {}
+    }
+    Ok(intent)
 }
 
 fn report(

@@ -128,3 +128,59 @@ fn states_that_differ_have_other_hashes() {
     assert_eq!(state_hash(&(1.5, "a")), state_hash(&(1.5, "a")));
     assert_ne!(state_hash(&(1.5, "a")), state_hash(&(1.5, "b")));
 }
+
+/// A header is held against the bounds that files and robots are held against.
+#[test]
+fn a_header_that_no_run_can_have_is_refused() {
+    type Change = fn(&mut Settings);
+    let with = |change: Change| {
+        let mut header = header();
+        change(&mut header.settings);
+        let bytes = Journal::begin(Vec::new(), &header).expect("memory").finish().expect("memory");
+        parse(&bytes).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert_eq!(with(|_| {}), Ok(()));
+    let changes: [(&str, Change); 7] = [
+        ("tick", |settings| settings.chassis.tick = 1e308),
+        ("0 switches", |settings| settings.chassis.sensors.clear()),
+        ("alpha", |settings| settings.alpha = 1e-9),
+        ("start", |settings| settings.start.position.x = 1e308),
+        ("start", |settings| settings.start.heading = 1e308),
+        ("laps", |settings| settings.laps = 4_000_000_000),
+        ("tape", |settings| {
+            let from = settings.start.position;
+            settings.tape = Some(crate::mapping::tape::Tape { from, to: from, length: 5.0 });
+        }),
+    ];
+    for (word, change) in changes {
+        let error = with(change).expect_err(word);
+        assert!(error.contains("journal:1:") && error.contains(word), "{error}");
+    }
+}
+
+#[test]
+fn an_empty_record_is_told_as_such() {
+    let whole = written();
+    for bytes in [&b""[..], b"periplus-", &whole[..40]] {
+        let error = parse(bytes).expect_err("nothing in it").to_string();
+        assert!(error.contains("holds nothing") && error.contains("--out"), "{error}");
+    }
+}
+
+/// A wish that no operator can have is damage, wherever it stands.
+#[test]
+fn a_wish_that_nobody_can_have_is_refused() {
+    let far = crate::geometry::Point::new(1e308, 0.0);
+    let wishes = [
+        Intent::SetAlpha { alpha: 1e-9 },
+        Intent::Placed { near: Some(Pose { position: far, heading: 0.0 }) },
+        Intent::SetTape { from: far, to: far, length: 5.0 },
+    ];
+    for wish in wishes {
+        let mut journal = Journal::begin(Vec::new(), &header()).expect("memory");
+        journal.intent(0, &wish);
+        journal.intent(1, &Intent::Run);
+        let error = parse(&journal.finish().expect("memory")).expect_err("a wish").to_string();
+        assert!(error.contains("journal:2:"), "{wish:?}: {error}");
+    }
+}

@@ -46,6 +46,10 @@ impl FromStr for Faults {
                 "delay" => &mut faults.delay,
                 _ => return Err(wrong()),
             };
+            // The delay is in seconds, the others are shares.
+            if name != "delay" && value > 1.0 {
+                return Err(format!("`{word}`: a share is a number from 0 to 1"));
+            }
             *field = value;
         }
         Ok(faults)
@@ -107,5 +111,19 @@ impl FaultyWay {
     /// Forgets what is under way, as a line does that is unplugged.
     pub fn clear(&mut self) {
         self.pieces.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_shares_and_delays_are_seconds() {
+        let faults: Faults = "drop=0.05,delay=2".parse().expect("faults");
+        assert_eq!((faults.drop, faults.delay), (0.05, 2.0));
+        for bad in ["drop=2", "flip=1.1", "swap=-1", "delay=11", "mute=1", "drop"] {
+            assert!(bad.parse::<Faults>().is_err(), "`{bad}` was taken");
+        }
     }
 }

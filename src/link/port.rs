@@ -83,6 +83,12 @@ pub enum PortError {
         /// The port.
         port: String,
     },
+    /// A file or a folder.
+    #[error("{port}: a file or a folder, and no port; `periplus ports` lists those there are")]
+    NoPort {
+        /// The path.
+        port: String,
+    },
     /// Somebody else has it, or the rights are missing.
     #[error(
         "{port}: refused ({reason}); is another program using it, and may you (group dialout)?"
@@ -131,6 +137,9 @@ pub async fn open(address: &Address) -> Result<Box<dyn Stream>, PortError> {
 }
 
 fn serial(path: &str, baud: u32) -> Result<SerialStream, PortError> {
+    if std::fs::metadata(path).is_ok_and(|data| data.is_file() || data.is_dir()) {
+        return Err(PortError::NoPort { port: path.to_owned() });
+    }
     tokio_serial::new(path, baud).open_native_async().map_err(|error| {
         let port = path.to_owned();
         // The library calls a port that is taken "no such device".

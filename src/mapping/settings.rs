@@ -1,7 +1,7 @@
 //! What the operator chooses before a run.
 
 use super::tape::Tape;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,15 @@ pub enum Contour {
     #[default]
     FullLoop,
 }
+
+/// The least α, metres.
+pub const LEAST_ALPHA: f64 = 0.01;
+/// Nobody goes round more often.
+pub const MOST_LAPS: u32 = 9;
+/// Nothing is farther from the origin in x or y, metres.
+const FAR: f64 = 1e5;
+/// A heading is a few turns at most, radians.
+const MOST_HEADING: f64 = 100.0;
 
 fn one() -> u32 {
     1
@@ -80,4 +89,39 @@ impl Settings {
             chassis: Chassis::default(),
         }
     }
+
+    /// Whether a run can have been started with this.
+    ///
+    /// # Errors
+    /// Says which of it makes no sense.
+    pub fn check(&self) -> Result<(), String> {
+        check_alpha(self.alpha)?;
+        check_pose(&self.start).map_err(|why| format!("a `start` that is none: {why}"))?;
+        if !(1..=MOST_LAPS).contains(&self.laps) {
+            return Err(format!("{} `laps`", self.laps));
+        }
+        if let Some(Err(why)) = self.tape.map(Tape::checked) {
+            return Err(format!("a `tape` that is none: {why}"));
+        }
+        self.chassis.check().map_err(|why| format!("a `chassis` that no robot has: {why}"))
+    }
+}
+
+/// Whether a plan can be made with this α, metres.
+///
+/// # Errors
+/// Says that it cannot.
+pub fn check_alpha(alpha: f64) -> Result<(), String> {
+    let can = (LEAST_ALPHA..=FAR).contains(&alpha);
+    if can { Ok(()) } else { Err(format!("`alpha` of {alpha} m")) }
+}
+
+/// Whether a robot can stand there.
+///
+/// # Errors
+/// Says that it cannot.
+pub fn check_pose(pose: &Pose) -> Result<(), String> {
+    let Pose { position: Point { coords: at }, heading } = pose;
+    let near = at.x.abs() <= FAR && at.y.abs() <= FAR && heading.abs() <= MOST_HEADING;
+    if near { Ok(()) } else { Err("a place beyond 100 km, or a heading of many turns".to_owned()) }
 }

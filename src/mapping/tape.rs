@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use thiserror::Error;
 
+/// A tape shorter than this says nothing, metres.
+const SHORTEST: f64 = 0.2;
 /// An end this near to a corner of the outline is that corner, metres.
 const CORNER: f64 = 0.35;
 /// An end farther than this from the outline is no place of it, metres.
@@ -63,7 +65,16 @@ pub enum TapeError {
     /// Too short to say anything.
     #[error("a taped length is 0.2 m at least")]
     Short,
+    /// Both ends in one place.
+    #[error("both ends of the tape are in one place; name two corners or walls")]
+    OnePlace,
+    /// Nowhere in the room.
+    #[error("an end of the tape, or its length, is more than 100 km; lengths are metres")]
+    Far,
 }
+
+/// Nothing is farther from the origin, metres.
+const FAR: f64 = 1e5;
 
 impl FromStr for Tape {
     type Err = TapeError;
@@ -79,14 +90,29 @@ impl FromStr for Tape {
         };
         let (ends, length) = text.split_once('=').ok_or(TapeError::Form)?;
         let (from, to) = ends.split_once(':').ok_or(TapeError::Form)?;
-        match number(length)? {
-            length if length < 0.2 => Err(TapeError::Short),
-            length => Ok(Self { from: point(from)?, to: point(to)?, length }),
-        }
+        Self { from: point(from)?, to: point(to)?, length: number(length)? }.checked()
     }
 }
 
 impl Tape {
+    /// The same tape, if one can have been held so.
+    ///
+    /// # Errors
+    /// Says why not.
+    pub fn checked(self) -> Result<Self, TapeError> {
+        let Self { from, to, length } = self;
+        let near = [from.x, from.y, to.x, to.y, length].iter().all(|value| value.abs() <= FAR);
+        if !near {
+            Err(TapeError::Far)
+        } else if length < SHORTEST {
+            Err(TapeError::Short)
+        } else if (to - from).norm() < SHORTEST / 2.0 {
+            Err(TapeError::OnePlace)
+        } else {
+            Ok(self)
+        }
+    }
+
     /// The length on a map with `outline`: between the corners that its ends are near to, or the
     /// nearest places of the walls; none when an end is near to neither. Of several such pairs that
     /// one which is likeliest: near to where the ends were said to be, and about as long as the tape.

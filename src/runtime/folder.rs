@@ -3,12 +3,19 @@
 
 use crate::export::native::MapFile;
 use crate::export::{RunRecord, body, geojson, png, report, svg};
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// What marks a folder as holding a run.
-const MARKS: [&str; 2] = ["journal", "report.json"];
+pub const MARKS: [&str; 2] = ["journal", "report.json"];
+
+/// Every file that a run may leave.
+pub const RESULTS: [&str; 7] =
+    ["journal", "report.json", "map.geojson", "map.json", "map.svg", "map.png", "chassis.toml"];
+
+/// Bytes of the longest header of a record.
+const LONGEST_HEADER: u64 = 1 << 20;
 
 /// A folder that takes the results of one run.
 #[derive(Debug)]
@@ -26,6 +33,20 @@ pub enum FolderError {
         path: PathBuf,
         /// The file that gives it away.
         mark: &'static str,
+    },
+    /// One of our files is in there, of which nobody knows whence.
+    #[error("{}: holds a `{name}`, which a run would write over; name a new folder", path.display())]
+    InTheWay {
+        /// The folder.
+        path: PathBuf,
+        /// The file.
+        name: &'static str,
+    },
+    /// A run is going on in there.
+    #[error("{}: another program is recording a run there; end that one first, or name a new folder", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
     },
     /// It cannot be made or written.
     #[error("{}: cannot be written: {reason}", path.display())]
@@ -57,8 +78,12 @@ impl OutputFolder {
     /// # Errors
     /// When it does.
     pub fn refuse_taken(path: &Path) -> Result<(), FolderError> {
-        match MARKS.into_iter().find(|mark| path.join(mark).exists()) {
-            Some(mark) => Err(FolderError::Taken { path: path.to_owned(), mark }),
+        let there = |name: &&str| path.join(name).exists() && !is_unbegun(&path.join(name));
+        match RESULTS.into_iter().find(there) {
+            Some(mark) if MARKS.contains(&mark) => {
+                Err(FolderError::Taken { path: path.to_owned(), mark })
+            }
+            Some(name) => Err(FolderError::InTheWay { path: path.to_owned(), name }),
             None => Ok(()),
         }
     }
@@ -72,11 +97,14 @@ impl OutputFolder {
         Self::refuse_taken(path)?;
         fs::create_dir_all(path).map_err(|error| FolderError::unwritable(path, &error))?;
         let journal = path.join("journal");
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&journal)
-            .map_err(|error| FolderError::unwritable(&journal, &error))?;
+        let unwritable = |error: io::Error| FolderError::unwritable(&journal, &error);
+        // What a run that never began left behind is written over, but not one that begins just now.
+        let mut options = OpenOptions::new();
+        let file = options.write(true).create(true).truncate(false).open(&journal);
+        let file = file.map_err(unwritable)?;
+        only_writer(path, &file)?;
+        Self::refuse_taken(path)?;
+        file.set_len(0).map_err(unwritable)?;
         Ok((Self { path: path.to_owned() }, file))
     }
 
@@ -87,13 +115,51 @@ impl OutputFolder {
     /// When the record cannot be written.
     pub fn reopen(path: &Path, sound: u64) -> Result<(Self, File), FolderError> {
         let journal = path.join("journal");
-        let reopened = OpenOptions::new().write(true).open(&journal).and_then(|mut file| {
-            file.set_len(sound)?;
-            file.seek(SeekFrom::End(0))?;
-            Ok(file)
-        });
-        let file = reopened.map_err(|error| FolderError::unwritable(&journal, &error))?;
+        let unwritable = |error: io::Error| FolderError::unwritable(&journal, &error);
+        let mut file = OpenOptions::new().write(true).open(&journal).map_err(unwritable)?;
+        only_writer(path, &file)?;
+        let cut = file.set_len(sound).and_then(|()| file.seek(SeekFrom::End(0)));
+        cut.map_err(unwritable)?;
         Ok((Self { path: path.to_owned() }, file))
+    }
+
+    /// Clears away what a run left that never began: the folder is free for another try.
+    pub fn discard_unbegun(&self) {
+        let journal = self.path.join("journal");
+        if is_unbegun(&journal) {
+            // Should it stay, it is no obstacle either.
+            let _ = fs::remove_file(journal);
+            let _ = fs::remove_dir(&self.path);
+        }
+    }
+
+    /// All that could not be written, the `record` of the run among it, in one message; none when
+    /// nothing failed.
+    #[must_use]
+    pub fn complaint(&self, record: io::Result<()>, failures: &[FolderError]) -> Option<String> {
+        let mut names = Vec::new();
+        let mut reasons = Vec::new();
+        if let Err(error) = record {
+            names.push("the record of the run".to_owned());
+            reasons.push(error.to_string());
+        }
+        for failure in failures {
+            let (path, reason) = match failure {
+                FolderError::Unwritable { path, reason } | FolderError::Unmade { path, reason } => {
+                    (path, reason.clone())
+                }
+                other => (&self.path, other.to_string()),
+            };
+            names.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+            if !reasons.contains(&reason) {
+                reasons.push(reason);
+            }
+        }
+        (!names.is_empty()).then(|| {
+            let (names, reasons) = (names.join(", "), reasons.join("; "));
+            let folder = self.path.display();
+            format!("{folder}: not written whole: {names} ({reasons}); is there room on the disk?")
+        })
     }
 
     /// Where it is.
@@ -135,11 +201,44 @@ impl OutputFolder {
     }
 }
 
-/// Writes a file so that whoever looks sees the old one or the whole new one.
+/// Whether the record at `path` is one of a run that never began.
+fn is_unbegun(path: &Path) -> bool {
+    let name = path.file_name().is_some_and(|name| name == "journal");
+    let short = fs::metadata(path).is_ok_and(|data| data.is_file() && data.len() < LONGEST_HEADER);
+    name && short && fs::read(path).is_ok_and(|bytes| crate::journal::is_unbegun(&bytes))
+}
+
+/// Refuses a record that another program has in hand.
+fn only_writer(path: &Path, journal: &File) -> Result<(), FolderError> {
+    match journal.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(FolderError::Busy { path: path.to_owned() }),
+        // Where files cannot be locked it is left to the operator.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    }
+}
+
+/// Whether there is something at `path` that is no file: a device, a pipe, a socket. It is written to,
+/// never replaced.
+#[must_use]
+pub fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|data| !data.is_file() && !data.is_dir())
+}
+
+/// Writes a file so that whoever looks sees the old one or the whole new one. What is no file takes the
+/// bytes as they come; a link stays, and what it leads to is written.
 ///
 /// # Errors
 /// When it cannot be written; the old file, if any, is still there then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
+    // What the system opens under such a name is no place in a folder.
+    let opened = ["/dev/fd", "/dev/stderr", "/proc"].iter().any(|top| path.starts_with(top));
+    if opened || is_device(path) {
+        let mut options = OpenOptions::new();
+        let written = options.write(true).open(path).and_then(|mut file| file.write_all(bytes));
+        return written.map_err(|error| FolderError::unwritable(path, &error));
+    }
+    let leads_to = fs::canonicalize(path);
+    let path = leads_to.as_deref().unwrap_or(path);
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     let part = path.with_file_name(name);
@@ -183,6 +282,12 @@ mod tests {
         let report = fs::read_to_string(path.join("report.json")).expect("report.json");
         assert!(report.contains(&format!("\"map_bytes\": {size}")), "the report tells the size");
         let again = OutputFolder::create(&path).expect_err("a second run");
+        assert!(again.to_string().contains("holds another run (report.json)"), "{again}");
+        fs::remove_file(path.join("report.json")).expect("a report");
+        let again = OutputFolder::create(&path).expect_err("results");
+        assert!(again.to_string().contains("holds a `map.geojson`"), "{again}");
+        fs::write(path.join("journal"), "periplus-journal 1 {}\n").expect("a record");
+        let again = OutputFolder::create(&path).expect_err("a record");
         assert!(again.to_string().contains("holds another run (journal)"), "{again}");
         let _ = fs::remove_dir_all(&path);
     }
@@ -200,6 +305,40 @@ mod tests {
             assert!(path.join(name).is_file(), "{name} is missing");
         }
         let _ = fs::remove_dir_all(&path);
+    }
+
+    #[test]
+    fn a_run_that_never_began_leaves_its_folder_free() {
+        let path = place("unbegun");
+        for left in ["", "periplus-jour", "periplus-journal 1 {\"settings\":{"] {
+            fs::create_dir_all(&path).expect("a folder");
+            fs::write(path.join("journal"), left).expect("a remnant");
+            let (folder, file) = OutputFolder::create(&path).expect("a free folder");
+            assert_eq!(file.metadata().expect("a file").len(), 0, "`{left}` is left in it");
+            let busy = OutputFolder::create(&path).expect_err("two at once").to_string();
+            assert!(busy.contains("another program"), "{busy}");
+            drop(file);
+            folder.discard_unbegun();
+            assert!(!path.exists(), "`{left}`: the folder is still there");
+        }
+        fs::create_dir_all(&path).expect("a folder");
+        fs::write(path.join("journal"), "my diary").expect("a file");
+        assert!(OutputFolder::create(&path).is_err(), "somebody's file was taken");
+        let _ = fs::remove_dir_all(&path);
+    }
+
+    #[test]
+    fn a_full_disk_is_one_message() {
+        let folder = OutputFolder { path: PathBuf::from("out") };
+        assert_eq!(folder.complaint(Ok(()), &[]), None);
+        let full = || io::Error::other("no room");
+        let failed = ["map.svg", "map.png"]
+            .map(|name| FolderError::unwritable(&Path::new("out").join(name), &full()));
+        let told = folder.complaint(Err(full()), &failed).expect("a complaint");
+        assert_eq!(told.matches("no room").count(), 1, "{told}");
+        for word in ["the record", "map.svg", "map.png", "out:"] {
+            assert!(told.contains(word), "{told}");
+        }
     }
 
     #[test]

@@ -361,6 +361,17 @@ impl<W: Write> LiveRun<W> {
             self.settling =
                 Some(if ticks(odometer) == ticks(&self.last.0) { count + 1 } else { 0 });
         }
+        if let Some(journal) = &mut self.journal {
+            journal.telemetry(session.mission().tracker().time_us(), telemetry);
+        }
+        session.telemetry(telemetry, &mut self.outgoing);
+        if let Some(fault) = session.fault() {
+            self.deliver(now);
+            if self.plan.at_once {
+                self.end(Outcome::Failed, fault);
+            }
+            return;
+        }
         match *telemetry {
             Telemetry::Report { odometer, switches, bumper }
             | Telemetry::Done { odometer, switches, bumper, .. } => {
@@ -371,10 +382,6 @@ impl<W: Write> LiveRun<W> {
                 self.last.1 = self.last.1.with(edge.sensor, edge.rising);
             }
         }
-        if let Some(journal) = &mut self.journal {
-            journal.telemetry(session.mission().tracker().time_us(), telemetry);
-        }
-        session.telemetry(telemetry, &mut self.outgoing);
         self.deliver(now);
         if self.settling.is_some_and(|count| count >= STILL) {
             self.settled(now);

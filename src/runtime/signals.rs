@@ -90,6 +90,18 @@ impl Signals {
         Ok(signals)
     }
 
+    /// From now on a write beyond the limit that the shell sets to files (`ulimit -f`) fails as one on a
+    /// full disk does. Without this the system would end the program there, with the robot under way.
+    ///
+    /// # Errors
+    /// When the system refuses to hand over signals.
+    pub fn outlive_long_files() -> io::Result<()> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build()?;
+        let _guard = runtime.enter();
+        // Once asked for, it is never again left to the system; nobody needs to hear of it.
+        signal(SignalKind::from_raw(rustix::process::Signal::XFSZ.as_raw())).map(drop)
+    }
+
     /// The first signal received, if any.
     #[must_use]
     pub fn received(&self) -> Option<Signal> {

@@ -130,9 +130,9 @@ impl<W: Write> SimulatedRun<W> {
             reason: "exported while under way".to_owned(),
         });
         let failures = folder.write_results(&self.record_of(&ending, 0.0));
-        match failures.first() {
+        match folder.complaint(Ok(()), &failures) {
             None => Ok(format!("written to {}", dir.display())),
-            Some(failure) => Err(failure.to_string()),
+            Some(complaint) => Err(complaint),
         }
     }
 
@@ -185,18 +185,16 @@ impl<W: Write> Headless<W> {
         Self { run, idle: 0 }
     }
 
-    /// Ends the record and writes the results; what failed, in words.
-    pub fn write(&mut self, folder: &OutputFolder) -> Vec<String> {
-        let mut failures: Vec<String> = Vec::new();
-        failures.extend(self.finish_journal().err().map(|error| error.to_string()));
+    /// Ends the record and writes the results; what failed, in one message.
+    pub fn write(&mut self, folder: &OutputFolder) -> Option<String> {
+        let recorded = self.finish_journal();
         self.run.conclude();
         let ending = self
             .run
             .ending()
             .unwrap_or(Ending { outcome: Outcome::Stopped, reason: Failure::Ended.to_string() });
-        let written = folder.write_results(&self.run.record_of(&ending, 0.0));
-        failures.extend(written.iter().map(ToString::to_string));
-        failures
+        let failures = folder.write_results(&self.run.record_of(&ending, 0.0));
+        folder.complaint(recorded, &failures)
     }
 
     /// The run itself.

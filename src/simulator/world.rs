@@ -49,6 +49,9 @@ impl WorldError {
     }
 }
 
+/// A room that extends farther is not gone round in a day, metres: nobody meant it.
+const LARGEST_ROOM: f64 = 1000.0;
+
 /// More corners than this make no sense for a room and would only stall the program.
 pub const MOST_VERTICES: usize = 100_000;
 
@@ -82,7 +85,7 @@ impl World {
     /// # Errors
     /// As [`World::load`].
     pub fn from_toml(text: &str, place: &str, radius: f64) -> Result<Self, WorldError> {
-        toml_file::parse(text, place)?.checked(place, radius)
+        toml_file::parse(unmarked(text), place)?.checked(radius)
     }
 
     /// Reads a world from GeoJSON text; `place` names it in errors.
@@ -90,21 +93,34 @@ impl World {
     /// # Errors
     /// As [`World::load`].
     pub fn from_geojson(text: &str, place: &str, radius: f64) -> Result<Self, WorldError> {
-        geojson::parse(text, place)?.checked(place, radius)
+        geojson::parse(unmarked(text), place)?.checked(radius)
     }
 
-    /// The same world with the robot at another place.
+    /// The same world with the robot at another place; `place` names where that was said in errors.
     ///
     /// # Errors
     /// When it cannot stand there.
-    pub fn with_start(mut self, start: Pose, radius: f64) -> Result<Self, WorldError> {
+    pub fn with_start(mut self, start: Pose, place: &str, radius: f64) -> Result<Self, WorldError> {
         self.start = start;
-        self.checked("--start", radius)
+        self.check_start(place, radius)?;
+        Ok(self)
     }
 
-    fn checked(self, place: &str, radius: f64) -> Result<Self, WorldError> {
+    fn check_extent(&self, place: &str) -> Result<(), WorldError> {
+        let (low, high) = self.boundary.bounds().unwrap_or_default();
+        let extent = (high.x - low.x).max(high.y - low.y);
+        if extent > LARGEST_ROOM {
+            let what = format!(
+                "is {extent:.0} m long; a room is {LARGEST_ROOM} m at most, and lengths are metres"
+            );
+            return Err(WorldError::new(place, what));
+        }
+        Ok(())
+    }
+
+    fn check_start(&self, place: &str, radius: f64) -> Result<(), WorldError> {
         let at = self.start.position;
-        let says = |what: String| Err(WorldError::new(format!("{place}: start"), what));
+        let says = |what: String| Err(WorldError::new(place, what));
         if !self.boundary.contains(at) {
             return says(format!("({}, {}) lies outside the room", at.x, at.y));
         }
@@ -121,8 +137,29 @@ impl World {
                 at.x, at.y
             ));
         }
-        Ok(self)
+        Ok(())
     }
+}
+
+/// A world as it was read, with where its parts stand in the file, for complaints.
+struct Draft {
+    world: World,
+    start_place: String,
+    boundary_place: String,
+}
+
+impl Draft {
+    fn checked(self, radius: f64) -> Result<World, WorldError> {
+        let Self { world, start_place, boundary_place } = self;
+        world.check_extent(&boundary_place)?;
+        world.check_start(&start_place, radius)?;
+        Ok(world)
+    }
+}
+
+/// Some editors put a mark of the byte order before everything else.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 #[cfg(test)]
@@ -169,6 +206,18 @@ mod tests {
             (square.to_owned(), "start"),
             (START.to_owned(), "boundary"),
             (format!("{START}[boundary]\n"), "circle"),
+            (format!("{START}[boundary]\ncircle = {{ center = [0, 0], radius = 1e4 }}\n"), "long"),
+            (
+                format!("{START}[boundary]\ncircle = {{ center = [0, 0], radius = 1e308 }}\n"),
+                "100 km",
+            ),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,0,1e9],[4,4],[0,4]]\n"), "100 km"),
+            (
+                format!(
+                    "{START}{square}[[objects]]\ncircle = {{ center = [1e308, 1], radius = 1 }}\n"
+                ),
+                "100 km",
+            ),
             (format!("{START}[boundary]\nvertices = [[0,0],[4,0],[4,4\n"), "room.toml:3"),
         ];
         for (text, word) in table {
@@ -199,12 +248,77 @@ mod tests {
                 r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"object"},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,
                 "radius",
             ),
+            (
+                r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"object","radius":1e308},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,
+                "100 km",
+            ),
             ("not json", "line 1"),
         ];
         for (text, word) in cases {
             let error = World::from_geojson(text, "a.geojson", 0.1).expect_err(text).to_string();
             assert!(error.contains(word), "{text}\nsaid: {error}");
         }
+    }
+
+    #[test]
+    fn complaints_name_the_line_where_the_key_stands() {
+        let square = "[boundary]\nvertices = [[0,0],[4,0],[4,4],[0,4]]\n";
+        let long = "x".repeat(201);
+        let cases = [
+            (format!("\nstart = {{ x = 9, y = 1 }}\n{square}"), "room.toml:2: start"),
+            (
+                format!("start = {{ x = 1, y = 1, heading = 1e308 }}\n{square}"),
+                "room.toml:1: start",
+            ),
+            (format!("{START}\n[boundary]\nvertices = [[0,0],[4,0]]\n"), "room.toml:3: boundary"),
+            (
+                format!("{START}{square}[[objects]]\nname = \"a\"\n"),
+                "room.toml:4: objects[0] \"a\"",
+            ),
+            (format!("{START}name = \"{long}\"\n{square}"), "room.toml:2: name: has 201 letters"),
+            (
+                format!("{START}{square}[[objects]]\nname = \"{long}\"\n"),
+                "room.toml:5: name: has 201 letters",
+            ),
+        ];
+        for (text, words) in cases {
+            let error = toml(&text).expect_err(&text).to_string();
+            assert!(error.starts_with(words), "{error}\nwanted: {words}");
+        }
+        let far = toml(&format!("{START}colour = 3\n{square}")).expect_err("a key").to_string();
+        assert!(far.contains("unknown key `colour`; those there are: name, start"), "{far}");
+        let marked = format!("\u{feff}{START}{square}");
+        assert!(toml(&marked).is_ok(), "a mark of the byte order is no mistake");
+    }
+
+    #[test]
+    fn a_start_in_geojson_is_one_and_faces_somewhere() {
+        let world = |starts: &str, name: &str| {
+            let text = format!(
+                r#"{{"type":"FeatureCollection","properties":{{"id":"{name}"}},"features":[
+                {{"type":"Feature","properties":{{"role":"boundary"}},"geometry":{{"type":"Polygon",
+                "coordinates":[[[0,0],[4,0],[4,4],[0,4],[0,0]]]}}}}{starts}]}}"#
+            );
+            World::from_geojson(&format!("\u{feff}{text}"), "a.geojson", 0.1)
+                .map(|world| world.start.heading)
+                .map_err(|error| error.to_string())
+        };
+        let start = |heading: &str| {
+            format!(
+                r#",{{"type":"Feature","properties":{{"role":"start"{heading}}},
+                "geometry":{{"type":"Point","coordinates":[1,1]}}}}"#
+            )
+        };
+        assert_eq!(world(&start(""), "a"), Ok(0.0));
+        assert_eq!(world(&start(r#","heading":1.5"#), "a"), Ok(1.5));
+        for bad in [r#","heading":"x""#, r#","heading":90"#, r#","heading":1e308"#] {
+            let error = world(&start(bad), "a").expect_err(bad);
+            assert!(error.contains("feature 1 (start)") && error.contains("radians"), "{error}");
+        }
+        let error = world(&[start(""), start("")].concat(), "a").expect_err("two of them");
+        assert!(error.contains("feature 2 (start)") && error.contains("second start"), "{error}");
+        let error = world(&start(""), &"x".repeat(300)).expect_err("a long name");
+        assert!(error.contains("a.geojson: id: has 300 letters"), "{error}");
     }
 
     #[test]

@@ -6,11 +6,11 @@ mod pending;
 mod timing;
 mod told;
 
-pub use told::{Health, Heard, Identity, Loss};
+pub use told::{Health, Heard, Identity, Loss, Sample};
 
 use super::frame::{Decoder, Item, STOP, seal};
 use super::message::{FromRobot, ToRobot, VERSION};
-use crate::robot::{Command, CommandId, Telemetry};
+use crate::robot::{Command, CommandId, SWITCHES, Telemetry, Unfit};
 use pending::Pending;
 use timing::{
     ANSWER, BLIND, BOOT, CLEAN, EXCHANGE, FIRST_STOP, HELLO, LOST, OVERDUE, PING, STALE,
@@ -48,6 +48,9 @@ pub struct Host {
     event: u32,
     time_us: u64,
     garbled: u64,
+    /// What was heard first since the port was opened, and whether any of it was in this protocol.
+    sample: Sample,
+    understood: bool,
     urgent: Vec<u8>,
     out: Vec<u8>,
 }
@@ -82,6 +85,8 @@ impl Host {
             event: 0,
             time_us: 0,
             garbled: 0,
+            sample: Sample::default(),
+            understood: false,
             urgent: Vec::new(),
             out: Vec::new(),
         }
@@ -91,6 +96,7 @@ impl Host {
     pub fn reopened(&mut self, now: f64) {
         self.decoder = Decoder::default();
         self.introduction = Introduction::default();
+        (self.sample, self.understood) = (Sample::default(), false);
         self.put_in_doubt();
         self.pinged = None;
         (self.opened, self.heard, self.clean) = (now, now, now);
@@ -207,13 +213,14 @@ impl Host {
 
     /// Takes what came over the line.
     pub fn receive(&mut self, bytes: &[u8], now: f64, told: &mut Vec<Heard>) {
+        self.sample.add(bytes);
         for &byte in bytes {
             match self.decoder.push(byte) {
                 None | Some(Item::Stop) => {}
                 Some(Item::Garbled) => self.garbled += 1,
                 Some(Item::Body(body)) => {
                     if let Some(message) = FromRobot::parse(&body) {
-                        self.heard = now;
+                        (self.heard, self.understood) = (now, true);
                         self.message(message, now, told);
                     }
                 }
@@ -232,6 +239,9 @@ impl Host {
                 if session != self.session {
                     return;
                 }
+                if !SWITCHES.contains(&switches) {
+                    return self.unfit(Unfit::Switches { count: switches }, told);
+                }
                 let known = self.introduction.hello.as_ref().map(|(boot, ..)| *boot);
                 if known.is_some_and(|known| known != boot) {
                     self.introduction = Introduction::default();
@@ -240,6 +250,9 @@ impl Host {
                 self.introduced(now, told);
             }
             FromRobot::Body(chassis) => {
+                if let Err(why) = chassis.check_measures() {
+                    return self.unfit(why, told);
+                }
                 self.introduction.body = Some(chassis);
                 self.introduced(now, told);
             }
@@ -297,6 +310,13 @@ impl Host {
         }
     }
 
+    /// It says that it is what no robot can be. One that is known already is believed more than that.
+    fn unfit(&mut self, why: Unfit, told: &mut Vec<Heard>) {
+        if !self.is_open() {
+            self.lose(Loss::Unfit(why), told);
+        }
+    }
+
     /// Telemetry means something: the robot is known.
     fn is_open(&self) -> bool {
         self.identity.is_some() && matches!(self.health, Health::Up | Health::Stale)
@@ -304,6 +324,9 @@ impl Host {
 
     fn introduced(&mut self, now: f64, told: &mut Vec<Heard>) {
         let Some(identity) = self.introduction.complete() else { return };
+        if let Err(why) = identity.chassis.check() {
+            return self.unfit(why, told);
+        }
         let before = self.identity.as_ref().map(|known| known.boot);
         if before == Some(identity.boot) && self.is_open() {
             return;
@@ -339,7 +362,12 @@ impl Host {
         match self.health {
             Health::Opening => {
                 if now - self.opened > BOOT {
-                    self.lose(Loss::NoAnswer, told);
+                    let why = match (self.understood, self.sample.is_empty()) {
+                        (true, _) => Loss::Unintroduced,
+                        (false, false) => Loss::Foreign(self.sample),
+                        (false, true) => Loss::NoAnswer,
+                    };
+                    self.lose(why, told);
                 }
             }
             Health::Up | Health::Stale => self.watch(now, told),
@@ -406,3 +434,6 @@ impl Host {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,8 +6,8 @@ mod fields;
 mod rounding;
 
 use crate::robot::{
-    Chassis, Command, CommandId, DoneReason, Edge, Guard, Motion, Odometer, SensorMount, SwitchSet,
-    Telemetry,
+    Chassis, Command, CommandId, DoneReason, Edge, Guard, Motion, Odometer, SWITCHES, SensorMount,
+    SwitchSet, Telemetry,
 };
 use fields::Fields;
 pub use rounding::{quantised, told};
@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 /// The version of the protocol that this program speaks.
 pub const VERSION: u32 = 1;
 /// Most switches that a robot may have.
-pub const MOST_SWITCHES: usize = 16;
+const MOST_SWITCHES: usize = *SWITCHES.end();
 
 /// Hundredths of a millimetre in a metre; microradians; and so on.
 const LENGTH: f64 = 1e5;
@@ -306,7 +306,7 @@ impl FromRobot {
                     boot: fields.hex()?,
                     session: fields.hex()?,
                     watchdog: fields.number()?,
-                    switches: fields.number().filter(|count| *count <= MOST_SWITCHES)?,
+                    switches: fields.number()?,
                     name: fields.text(),
                 }
             }
@@ -359,20 +359,18 @@ impl FromRobot {
     }
 }
 
-/// The body of a robot; none when a measure is not one that a robot can have.
+/// The body of a robot, as it says; whether a robot can have it is asked when it is taken for one.
 fn chassis(fields: &mut Fields<'_>) -> Option<Chassis> {
-    let mut positive =
-        |unit: f64, most: f64| fields.measure(unit).filter(|value| *value > 0.0 && *value <= most);
     Some(Chassis {
-        radius: positive(LENGTH, 2.0)?,
-        wheel_base: positive(LENGTH, 4.0)?,
-        tick: positive(NANO, 0.1)?,
-        range: positive(LENGTH, 2.0)?,
-        hysteresis: positive(LENGTH, 1.0)?,
-        speed: positive(MILLI, 10.0)?,
-        turn_rate: positive(MILLI, 50.0)?,
-        acceleration: positive(MILLI, 100.0)?,
-        bumper_half_angle: positive(MICRO, 4.0)?,
+        radius: fields.measure(LENGTH)?,
+        wheel_base: fields.measure(LENGTH)?,
+        tick: fields.measure(NANO)?,
+        range: fields.measure(LENGTH)?,
+        hysteresis: fields.measure(LENGTH)?,
+        speed: fields.measure(MILLI)?,
+        turn_rate: fields.measure(MILLI)?,
+        acceleration: fields.measure(MILLI)?,
+        bumper_half_angle: fields.measure(MICRO)?,
         sensors: Vec::new(),
     })
 }

@@ -12,17 +12,18 @@ impl Restart {
     pub(super) fn between(last: &Odometer, first: &Odometer) -> Self {
         Self(Odometer {
             time_us: last.time_us.saturating_sub(first.time_us),
-            left_ticks: last.left_ticks - first.left_ticks,
-            right_ticks: last.right_ticks - first.right_ticks,
+            left_ticks: last.left_ticks.saturating_sub(first.left_ticks),
+            right_ticks: last.right_ticks.saturating_sub(first.right_ticks),
             heading: last.heading - first.heading,
         })
     }
 
     fn odometer(&self, told: Odometer) -> Odometer {
         Odometer {
-            time_us: told.time_us + self.0.time_us,
-            left_ticks: told.left_ticks + self.0.left_ticks,
-            right_ticks: told.right_ticks + self.0.right_ticks,
+            // A robot may say any number; the session asks whether it can be.
+            time_us: told.time_us.saturating_add(self.0.time_us),
+            left_ticks: told.left_ticks.saturating_add(self.0.left_ticks),
+            right_ticks: told.right_ticks.saturating_add(self.0.right_ticks),
             heading: told.heading + self.0.heading,
         }
     }

@@ -14,7 +14,7 @@ fn world(x: f64, y: f64, heading: f64) -> World {
     let text = "start = { x = 2.0, y = 1.5 }\n[boundary]\nvertices = [[0, 0], [4, 0], [4, 3], [0, 3]]\n[[objects]]\ncircle = { center = [1, 1], radius = 0.2 }\n[[objects]]\nvertices = [[0.8, 2.2], [1.4, 2.2], [0.9, 2.4]]\n";
     World::from_toml(text, "test", 0.1)
         .expect("a good world")
-        .with_start(Pose::new(x, y, heading), 0.1)
+        .with_start(Pose::new(x, y, heading), "start", 0.1)
         .expect("a good start")
 }
 

@@ -1,7 +1,7 @@
 //! Worlds as GeoJSON in metres, as traced from real places.
 
-use super::{World, WorldError, WorldObject, outline};
-use crate::geometry::{Pose, Ring};
+use super::{Draft, World, WorldError, WorldObject, outline};
+use crate::geometry::{Pose, Ring, angle};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -29,13 +29,16 @@ struct Geometry {
     coordinates: Value,
 }
 
-pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
+pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let file: Collection = serde_json::from_str(text)
         .map_err(|why| WorldError::new(place, format!("not GeoJSON: {why}")))?;
     if file.kind.as_deref() != Some("FeatureCollection") {
         return Err(WorldError::new(place, "not a GeoJSON FeatureCollection"));
     }
     let (mut boundary, mut start, mut objects) = (None, None, Vec::new());
+    let second = |here: &str, what: &str| {
+        Err(WorldError::new(here, format!("is a second {what}; there can be only one")))
+    };
     for (index, feature) in file.features.iter().enumerate() {
         let role = feature.properties.get("role").and_then(Value::as_str).unwrap_or("");
         let here = format!("{place}: feature {index} ({role})");
@@ -45,21 +48,22 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
         match role {
             "boundary" => {
                 if boundary.is_some() {
-                    return Err(WorldError::new(
-                        here,
-                        "is a second boundary; there can be only one",
-                    ));
+                    return second(&here, "boundary");
                 }
                 let mut rings = polygon(geometry, &here)?.into_iter();
-                boundary = rings.next();
+                boundary = rings.next().map(|ring| (ring, here));
                 objects.extend(rings.map(|ring| (format!("hole {index}"), ring)));
             }
-            "object" => objects.push((name(feature, index), object(feature, geometry, &here)?)),
+            "object" => {
+                let ring = object(feature, geometry, &here)?;
+                objects.push((name(feature, index, &here)?, ring));
+            }
             "start" => {
+                if start.is_some() {
+                    return second(&here, "start; use start_alt for others");
+                }
                 let [x, y] = point(geometry, &here)?;
-                let heading =
-                    feature.properties.get("heading").and_then(Value::as_f64).unwrap_or(0.0);
-                start = Some(Pose::new(x, y, heading));
+                start = Some((Pose::new(x, y, heading(feature, &here)?), here));
             }
             "start_alt" => {}
             other => {
@@ -76,15 +80,28 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
         WorldError::new(place, format!("no feature with role `{role}`; a world needs one"))
     };
     let objects = objects.into_iter().map(|(name, ring)| WorldObject { name, ring }).collect();
-    let boundary = boundary.ok_or_else(|| missing("boundary"))?;
-    let start = start.ok_or_else(|| missing("start"))?;
-    let name = file.properties.get("id").and_then(Value::as_str).unwrap_or("unnamed").to_owned();
-    Ok(World { name, start, boundary, objects })
+    let (boundary, boundary_place) = boundary.ok_or_else(|| missing("boundary"))?;
+    let (start, start_place) = start.ok_or_else(|| missing("start"))?;
+    let name = file.properties.get("id").and_then(Value::as_str).unwrap_or("unnamed");
+    let name = outline::name(name, &format!("{place}: id"))?.to_owned();
+    Ok(Draft { world: World { name, start, boundary, objects }, start_place, boundary_place })
 }
 
-fn name(feature: &Feature, index: usize) -> String {
-    let id = feature.properties.get("id").and_then(Value::as_str);
-    id.map_or_else(|| format!("object {index}"), str::to_owned)
+fn name(feature: &Feature, index: usize, place: &str) -> Result<String, WorldError> {
+    match feature.properties.get("id").and_then(Value::as_str) {
+        Some(id) => outline::name(id, &format!("{place}: id")).map(str::to_owned),
+        None => Ok(format!("object {index}")),
+    }
+}
+
+/// Where the robot faces: radians counter-clockwise from +x.
+fn heading(feature: &Feature, place: &str) -> Result<f64, WorldError> {
+    let Some(value) = feature.properties.get("heading") else { return Ok(0.0) };
+    let within = |heading: &f64| heading.abs() <= angle::TAU;
+    value.as_f64().filter(within).ok_or_else(|| {
+        let what = format!("heading {value} is none; it counts in radians, from -6.28 to 6.28");
+        WorldError::new(place, what)
+    })
 }
 
 fn object(feature: &Feature, geometry: &Geometry, place: &str) -> Result<Ring, WorldError> {

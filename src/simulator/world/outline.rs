@@ -6,6 +6,10 @@ use crate::geometry::{Piece, Point, Ring, cross};
 /// A corner as written: x, y and the bulge of the arc to the next corner.
 pub(super) type Corner = (f64, f64, f64);
 
+/// Nothing lies farther from the origin in x or y, metres.
+const FAR: f64 = 1e5;
+const TOO_FAR: &str = "lies more than 100 km from the origin; lengths are metres";
+
 /// The ring through `corners`, checked and counter-clockwise.
 pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> {
     let error = |what: String| Err(WorldError::new(place, what));
@@ -20,8 +24,8 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
     {
         return error(format!("vertex {k} is not a number"));
     }
-    if corners.iter().any(|c| c.0.abs() > 1e5 || c.1.abs() > 1e5) {
-        return error("lies more than 100 km from the origin; lengths are metres".to_owned());
+    if corners.iter().any(|c| c.0.abs() > FAR || c.1.abs() > FAR) {
+        return error(TOO_FAR.to_owned());
     }
     let mut kept: Vec<Corner> = Vec::with_capacity(corners.len());
     for &c in corners {
@@ -47,6 +51,11 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
         })
         .collect();
     let ring = Ring { pieces };
+    // A bulge can throw an arc far beyond its ends.
+    let points = ring.bounds().map_or([0.0; 4], |(low, high)| [low.x, low.y, high.x, high.y]);
+    if !points.iter().all(|value| value.abs() <= FAR) {
+        return error(TOO_FAR.to_owned());
+    }
     if let Some((a, b)) = first_crossing(&ring) {
         return error(format!("the outline crosses itself: piece {a} meets piece {b}"));
     }
@@ -64,7 +73,23 @@ pub(super) fn circle(center: [f64; 2], radius: f64, place: &str) -> Result<Ring,
     if radius <= 0.0 {
         return Err(WorldError::new(place, format!("radius {radius} must be above 0")));
     }
+    if center.iter().any(|value| value.abs() + radius > FAR) {
+        return Err(WorldError::new(place, TOO_FAR));
+    }
     Ok(Ring::circle(Point::new(center[0], center[1]), radius))
+}
+
+/// Letters of the longest name: it has to fit on a screen and in a picture.
+const LONGEST_NAME: usize = 200;
+
+/// A name, checked.
+pub(super) fn name<'n>(name: &'n str, place: &str) -> Result<&'n str, WorldError> {
+    let letters = name.chars().count();
+    if letters > LONGEST_NAME {
+        let what = format!("has {letters} letters; {LONGEST_NAME} are the most");
+        return Err(WorldError::new(place, what));
+    }
+    Ok(name)
 }
 
 /// The first two pieces that cross or touch without being neighbours. Sweeps over x, so that long

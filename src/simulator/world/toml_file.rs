@@ -1,17 +1,19 @@
 //! Worlds as TOML, the format people write by hand. Strict: every unknown key is an error.
 
-use super::{World, WorldError, WorldObject, outline};
+use super::{Draft, World, WorldError, WorldObject, outline};
 use crate::geometry::{Pose, Ring};
+use crate::spelling::unknown_key;
 use serde::Deserialize;
+use toml::Spanned;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    name: Option<String>,
-    start: Option<Start>,
-    boundary: Option<Outline>,
+    name: Option<Spanned<String>>,
+    start: Option<Spanned<Start>>,
+    boundary: Option<Spanned<Outline>>,
     #[serde(default)]
-    objects: Vec<Outline>,
+    objects: Vec<Spanned<Outline>>,
 }
 
 #[derive(Deserialize)]
@@ -26,7 +28,7 @@ struct Start {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Outline {
-    name: Option<String>,
+    name: Option<Spanned<String>>,
     vertices: Option<Vec<Vec<f64>>>,
     circle: Option<Circle>,
 }
@@ -38,12 +40,7 @@ struct Circle {
     radius: f64,
 }
 
-const KEYS: [&str; 11] = [
-    "name", "start", "boundary", "objects", "x", "y", "heading", "vertices", "circle", "center",
-    "radius",
-];
-
-pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
+pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     if text.trim().is_empty() {
         return Err(WorldError::new(
             place,
@@ -54,24 +51,44 @@ pub(super) fn parse(text: &str, place: &str) -> Result<World, WorldError> {
     let missing = |key: &str, example: &str| {
         WorldError::new(place, format!("`{key}` is missing; write for example {example}"))
     };
+    let at = |start: usize, what: &str| format!("{place}:{}: {what}", line(text, start));
+    let named = |name: &Spanned<String>| {
+        let here = at(name.span().start, "name");
+        outline::name(name.get_ref(), &here).map(str::to_owned)
+    };
     let start =
         file.start.ok_or_else(|| missing("start", "start = { x = 0.6, y = 0.6, heading = 90 }"))?;
-    if !(start.x.is_finite() && start.y.is_finite() && start.heading.is_finite()) {
-        return Err(WorldError::new(format!("{place}: start"), "is not a number"));
+    let start_place = at(start.span().start, "start");
+    let Start { x, y, heading } = *start.get_ref();
+    if !(x.is_finite() && y.is_finite() && heading.is_finite()) {
+        return Err(WorldError::new(start_place, "is not a number"));
+    }
+    if heading.abs() > 360.0 {
+        let what = format!("a heading of {heading} is more than a turn; it counts in degrees");
+        return Err(WorldError::new(start_place, what));
     }
     let boundary = file.boundary.ok_or_else(|| {
         missing("boundary", "[boundary] with vertices = [[0, 0], [5, 0], [5, 4], [0, 4]]")
     })?;
-    let boundary = ring(&boundary, &format!("{place}: boundary"))?;
+    let boundary_place = at(boundary.span().start, "boundary");
+    let boundary = ring(boundary.get_ref(), &boundary_place)?;
     let mut objects = Vec::with_capacity(file.objects.len());
     for (index, object) in file.objects.iter().enumerate() {
-        let name = object.name.clone().unwrap_or_else(|| format!("object {index}"));
-        let ring = ring(object, &format!("{place}: objects[{index}] \"{name}\""))?;
+        let given = object.get_ref().name.as_ref().map(named).transpose()?;
+        let name = given.unwrap_or_else(|| format!("object {index}"));
+        let here = at(object.span().start, &format!("objects[{index}] \"{name}\""));
+        let ring = ring(object.get_ref(), &here)?;
         objects.push(WorldObject { name, ring });
     }
-    let name = file.name.unwrap_or_else(|| "unnamed".to_owned());
-    let start = Pose::new(start.x, start.y, start.heading.to_radians());
-    Ok(World { name, start, boundary, objects })
+    let name = file.name.as_ref().map(named).transpose()?;
+    let name = name.unwrap_or_else(|| "unnamed".to_owned());
+    let start = Pose::new(x, y, heading.to_radians());
+    Ok(Draft { world: World { name, start, boundary, objects }, start_place, boundary_place })
+}
+
+/// The line of byte `at`, from 1.
+fn line(text: &str, at: usize) -> usize {
+    text.bytes().take(at).filter(|&byte| byte == b'\n').count() + 1
 }
 
 fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
@@ -104,32 +121,13 @@ fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
 }
 
 fn syntax(why: &toml::de::Error, text: &str, place: &str) -> WorldError {
-    let line =
-        why.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+    let line = why.span().map_or(1, |span| line(text, span.start));
     let mut what = why.message().trim().replace('\n', " ");
-    if let Some(unknown) =
-        what.strip_prefix("unknown field `").and_then(|rest| rest.split('`').next())
-    {
-        let nearest = KEYS.iter().min_by_key(|key| distance(key, unknown));
-        if let Some(nearest) = nearest {
-            what = format!("unknown key `{unknown}`; did you mean `{nearest}`?");
-        }
+    // The reader names the key, and then those that it knows at that place, each in backticks.
+    if let Some(rest) = what.strip_prefix("unknown field `") {
+        let unknown = rest.split('`').next().unwrap_or_default();
+        let known: Vec<&str> = rest.split('`').skip(2).step_by(2).collect();
+        what = unknown_key(unknown, &known);
     }
     WorldError::new(format!("{place}:{line}"), what)
-}
-
-/// Levenshtein's distance between two words.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let next = (diagonal + usize::from(x != *y)).min(row[j] + 1).min(row[j + 1] + 1);
-            diagonal = row[j + 1];
-            row[j + 1] = next;
-        }
-    }
-    row[b.len()]
 }

@@ -1,10 +1,10 @@
 //! What the host's end of the line tells the rest of the program: who the robot is, whether it is
 //! there, what it said.
 
-use crate::robot::{Chassis, CommandId, SensorMount, Telemetry};
+use crate::robot::{Chassis, CommandId, SensorMount, Telemetry, Unfit};
 
 /// Whether the robot is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Health {
     /// It has not said yet who it is.
     Opening,
@@ -17,14 +17,28 @@ pub enum Health {
 }
 
 /// Why a link is lost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Loss {
     /// Nobody answered when the port was opened.
     #[error("no answer from the robot: is it switched on, and is the baud rate right?")]
     NoAnswer,
+    /// Something is said, and none of it in this protocol.
+    #[error(
+        "something answers, but not in this protocol: it says \"{0}\"; is the baud rate right (--baud), \
+         and is the robot at this port?"
+    )]
+    Foreign(Sample),
+    /// It speaks, but never said all that `H` asks for.
+    #[error(
+        "the robot answers, but does not introduce itself with h, c and every s; see `periplus protocol`"
+    )]
+    Unintroduced,
     /// It speaks another version of the protocol.
     #[error("the robot speaks another version of the protocol")]
     Version,
+    /// It says that it has a body that no robot can have.
+    #[error("the robot says that it has a body which it cannot have: {0}; see `periplus protocol`")]
+    Unfit(Unfit),
     /// Nothing was heard for too long.
     #[error("nothing heard from the robot for 1.5 s")]
     Silent,
@@ -37,6 +51,42 @@ pub enum Loss {
     /// The port is gone.
     #[error("the port was closed or unplugged")]
     Unplugged,
+}
+
+/// The first bytes of what was heard, fit to be shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Sample {
+    bytes: [u8; Self::LENGTH],
+    count: usize,
+}
+
+impl Sample {
+    const LENGTH: usize = 24;
+
+    /// Adds what was heard next; only the first of it is kept.
+    pub(super) fn add(&mut self, bytes: &[u8]) {
+        let rest = &mut self.bytes[self.count..];
+        let count = rest.len().min(bytes.len());
+        rest[..count].copy_from_slice(&bytes[..count]);
+        self.count += count;
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+}
+
+/// Printable ASCII as it is, everything else in hexadecimal: nothing of it can steer a terminal.
+impl std::fmt::Display for Sample {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for &byte in &self.bytes[..self.count] {
+            match byte {
+                b'"' | b'\\' | 0..=31 | 127.. => write!(f, "\\x{byte:02X}")?,
+                _ => write!(f, "{}", char::from(byte))?,
+            }
+        }
+        if self.count == Self::LENGTH { f.write_str("…") } else { Ok(()) }
+    }
 }
 
 /// Who the robot is.

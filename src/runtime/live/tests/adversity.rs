@@ -47,6 +47,43 @@ fn a_wheel_whose_encoder_lies_is_found_out() {
     }
 }
 
+/// What no robot can drive is no way that it went: it is told, the robot stands, and nothing is reckoned
+/// with numbers that never end.
+#[test]
+fn an_encoder_that_leaps_stops_the_robot_at_once() {
+    for (lie, at_once) in [([1e12, 1.0], true), ([1.0, -1e12], true), ([1e12, 1e12], false)] {
+        let mut rig = rig(Faults::default(), 1, at_once);
+        rig.until(2.0, |_| false);
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(20.0, |_| false);
+        let travelled =
+            |rig: &Rig| rig.run.session().expect("a session").mission().tracker().travelled();
+        let before = travelled(&rig);
+        rig.lie = lie;
+        rig.until(1.5, |_| false);
+        assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "{lie:?}: it still moves");
+        assert!(travelled(&rig) - before < 0.1, "{lie:?}: it was taken for a way");
+        let session = rig.run.session().expect("a session");
+        let told = session.events().iter().any(|event| {
+            matches!(&event.kind, crate::mapping::event::EventKind::Alarm { what }
+                if what.contains("cannot be believed"))
+        });
+        assert!(told, "{lie:?}: nobody was told");
+        let ending = rig.run.ending().map(|ending| ending.reason);
+        assert_eq!(
+            ending.is_some_and(|why| why.contains("cannot be believed")),
+            at_once,
+            "{lie:?}"
+        );
+        // Cleared and set going, it is stopped again.
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(1.0, |_| false);
+        let session = rig.run.session().expect("a session");
+        assert_eq!(session.run_state(), RunState::Stopped, "{lie:?}");
+    }
+}
+
 #[test]
 fn encoders_that_stand_still_end_the_run() {
     let mut rig = rig(Faults::default(), 1, true);

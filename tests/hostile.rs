@@ -1,0 +1,178 @@
+//! What nobody should do, and what nobody can help: exports over the run itself, records that were bent,
+//! disks that are full, ports at which nobody is.
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
+
+mod shell;
+
+use periplus::journal::{Entry, Header, Journal, Record, Recording, read};
+use periplus::robot::{Odometer, SwitchSet, Telemetry};
+use shell::{periplus, place, refused};
+use std::fs;
+use std::process::{Command, Stdio};
+
+/// What a run left is not lost to an export under the wrong name, and a device stays a device.
+#[test]
+fn export_spares_results_and_devices() {
+    let dir = place("export-spares");
+    let (run, other) = (dir.join("run"), dir.join("other"));
+    for folder in [&run, &other] {
+        fs::create_dir_all(folder).expect("a folder");
+        fs::write(folder.join("journal"), "a record\n").expect("a record");
+        fs::write(folder.join("map.svg"), "<svg/>").expect("a result");
+    }
+    let from = run.to_str().expect("a path");
+    let export = |format, to: &str| {
+        let arguments = ["export", from, "--format", format, "--out", to];
+        (arguments.map(str::to_owned), periplus(&arguments))
+    };
+    for name in ["journal", "map.svg", "map.json", "report.json", "../other/journal"] {
+        let to = run.join(name);
+        let arguments = ["export", from, "--format", "svg", "--out", to.to_str().expect("a path")];
+        refused(&arguments, &["belongs to the run", "name another"]);
+        let ros = ["export", from, "--format", "ros", "--out", to.to_str().expect("a path")];
+        refused(&ros, &["belongs to the run"]);
+    }
+    #[cfg(unix)]
+    {
+        let link = dir.join("link.svg");
+        std::os::unix::fs::symlink(run.join("journal"), &link).expect("a link");
+        let to = link.to_str().expect("a path");
+        refused(&["export", from, "--format", "svg", "--out", to], &["belongs to the run"]);
+    }
+    assert_eq!(fs::read_to_string(run.join("journal")).expect("the record"), "a record\n");
+    assert_eq!(fs::read_to_string(other.join("journal")).expect("the record"), "a record\n");
+    for to in ["-", "/dev/stdout"] {
+        let (arguments, output) = export("svg", to);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert_eq!(output.stdout, b"<svg/>", "{arguments:?}");
+        refused(&["export", from, "--format", "ros", "--out", to], &["name the YAML file"]);
+    }
+    #[cfg(unix)]
+    {
+        let pipe = dir.join("pipe");
+        let to = pipe.to_str().expect("a path");
+        let made = Command::new("mkfifo").arg(to).status().expect("mkfifo");
+        assert!(made.success(), "no pipe");
+        let mut reader = Command::new("cat");
+        let mut reader = reader.arg(to).stdout(Stdio::piped()).spawn().expect("a reader");
+        let (arguments, output) = export("svg", to);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        let replaced = pipe.is_file();
+        if replaced {
+            reader.kill().expect("an end");
+        }
+        assert!(!replaced, "the pipe was replaced");
+        let read = reader.wait_with_output().expect("an end").stdout;
+        assert_eq!(read, b"<svg/>", "it did not go through the pipe");
+        refused(&["export", from, "--format", "ros", "--out", to], &["name the YAML file"]);
+    }
+}
+
+/// An empty or damaged result is none, and what is said of the record was looked at.
+#[test]
+fn export_hands_over_no_empty_result() {
+    let dir = place("export-empty");
+    let (from, out) = (dir.to_str().expect("a path"), dir.join("copy"));
+    let to = out.to_str().expect("a path");
+    fs::write(dir.join("map.png"), "").expect("a file");
+    fs::write(dir.join("map.geojson"), "{\"type\":").expect("a file");
+    fs::write(dir.join("journal"), "").expect("a file");
+    let export = |format| ["export", from, "--format", format, "--out", to];
+    refused(&export("png"), &["map.png", "empty", "cannot be read"]);
+    refused(&export("geojson"), &["map.geojson", "damaged"]);
+    refused(&export("svg"), &["map.svg", "cannot be read"]);
+    assert!(!out.exists(), "nothing was to be handed over");
+}
+
+type Change = fn(&mut Header);
+
+/// The record with another header, and with a report from far away at second 30.
+fn write_bent(recording: &Recording, change: Change) -> Vec<u8> {
+    let mut header = recording.header.clone();
+    change(&mut header);
+    let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
+    let mut bent = false;
+    for record in &recording.records {
+        if record.time_us >= 30_000_000 && !bent {
+            bent = true;
+            let (left_ticks, time_us) = (900_000_000_000_000, record.time_us);
+            let odometer = Odometer { time_us, left_ticks, right_ticks: 0, heading: 0.0 };
+            let switches = SwitchSet::EMPTY;
+            let entry = Entry::Telemetry(Telemetry::Report { odometer, switches, bumper: false });
+            journal.record(&Record { time_us, entry });
+        }
+        journal.record(record);
+    }
+    journal.finish().expect("memory")
+}
+
+/// What no robot can have counted, or no run been started with, is not reckoned with: a replay ends.
+#[test]
+fn a_record_of_what_cannot_be_is_told_and_comes_to_its_end() {
+    let dir = place("absurd");
+    let (made, bent) = (dir.join("run"), dir.join("bent"));
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let made = made.to_str().expect("a path");
+    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", made]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let recording = read(made.as_ref()).expect("a record");
+    fs::write(&bent, write_bent(&recording, |_| {})).expect("a record");
+    let frame = ["snapshot", "--replay", bent.to_str().expect("a path"), "--size", "80x24", "--at"];
+    // The far report comes at second 30.
+    let output = periplus(&[&frame[..], &["40"]].concat());
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("differs from the run"), "{told}");
+    let headers: [(&str, Change); 2] = [
+        ("tick", |header| header.settings.chassis.tick = 1e308),
+        ("0 switches", |header| header.settings.chassis.sensors.clear()),
+    ];
+    for (word, change) in headers {
+        fs::write(&bent, write_bent(&recording, change)).expect("a record");
+        refused(&[&frame[..], &["40"]].concat(), &["bent:1:", word]);
+    }
+}
+
+/// A limit on the length of files is met as a full disk is: one message, and no word of results that
+/// are not there.
+#[cfg(unix)]
+#[test]
+fn a_file_that_may_not_grow_is_told_once_and_truthfully() {
+    let dir = place("limited");
+    let out = dir.join("run");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    // In blocks of 512 or 1024 bytes, as the shell pleases: the record is longer, its header is not.
+    let limited = r#"ulimit -f 8 && exec "$0" run --world "$1" --until boundary --out "$2""#;
+    let output = Command::new("sh")
+        .args(["-c", limited, env!("CARGO_BIN_EXE_periplus"), world])
+        .arg(&out)
+        .stdin(Stdio::null())
+        .output()
+        .expect("a shell");
+    let (said, told) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(1), "{said}{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+    assert!(told.contains("the record of the run") && told.contains("room on the disk"), "{told}");
+    assert!(said.contains("not all results could be written"), "{said}");
+    assert!(!said.contains("; results in"), "{said}");
+}
+
+/// A port at which no robot answers leaves no folder, says no word of results, and the folder can be
+/// used again.
+#[cfg(unix)]
+#[test]
+fn a_robot_that_never_answers_leaves_nothing() {
+    let dir = place("no-answer");
+    let out = dir.join("run");
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = format!("tcp://{}", listener.local_addr().expect("an address"));
+    let to = out.to_str().expect("a path");
+    for _ in 0..2 {
+        let output = periplus(&["run", "--port", &port, "--out", to]);
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("no answer") && said.contains("nothing was recorded"), "{said}");
+        assert!(!out.exists(), "something was left");
+    }
+}

@@ -27,6 +27,8 @@ const TOLD: (f64, f64) = (0.7, 0.7);
 /// A robot that doubts its place is within this of where it believes it is: pushed and turned a little, it
 /// may have driven on for long before it found out.
 const DOUBTED: (f64, f64) = (1.5, 0.7);
+/// After so many metres a robot that only doubts its place gives up looking for it.
+const LONGEST_DOUBT: f64 = 30.0;
 
 /// What is known about the place of a robot that is looking for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,6 +160,9 @@ impl Relocation {
                 return Seek::Found(self.landmarks.sharpened(&place, &seen));
             }
             self.before = found;
+        }
+        if self.about == About::Doubted && self.driven(tracker) > LONGEST_DOUBT {
+            return Seek::Unclear(0);
         }
         let mut told = Vec::new();
         let next = self.search.next(tracker, rest, &mut self.seen, &mut told);

@@ -50,6 +50,8 @@ const DEVIATIONS: f64 = 3.0;
 const FARTHER: f64 = 0.04;
 /// The robot faces a wall within this, radians.
 const FACING: f64 = 0.03;
+/// What a beam meets that runs towards a wall, by the cosine between them, may be that wall.
+const ALONG: f64 = 0.7;
 
 /// A place in a corner, or beside a wall, and one along the longer of its walls.
 #[derive(Debug, Clone)]
@@ -80,13 +82,18 @@ pub(super) struct Feeling {
     /// Metres to go at most, towards the first of them; none before it was faced.
     left: Option<f64>,
     most: f64,
-    /// One of them was not where it has to be.
-    missed: bool,
+    /// Unit vectors towards those that were not where they have to be.
+    missed: Vec<Vector>,
+    /// Robot time when it began, microseconds.
+    begun_us: u64,
+    /// The turn is asked for.
+    turned: bool,
 }
 
 impl Feeling {
-    fn new(walls: Vec<Vector>, most: f64) -> Self {
-        Self { walls: walls.into(), left: None, most, missed: false }
+    fn new(walls: Vec<Vector>, most: f64, begun_us: u64) -> Self {
+        let walls = walls.into();
+        Self { walls, left: None, most, missed: Vec::new(), begun_us, turned: false }
     }
 
     /// The next motion of a robot with switch `front` ahead; none when there is no wall left to feel for.
@@ -98,8 +105,8 @@ impl Feeling {
         let closed = rest.closed.has(front);
         let seen = closed && self.walls.front().is_some_and(faced);
         if seen || stopped || self.left.is_some_and(|left| closed || left <= 0.0) {
-            self.missed |= !closed && !stopped;
-            self.walls.pop_front();
+            let wall = self.walls.pop_front();
+            self.missed.extend(wall.filter(|_| !closed && !stopped));
             self.left = None;
         }
         let wall = self.walls.front()?;
@@ -233,28 +240,34 @@ impl Tour {
         self.bearings_at = self.bearings_at.max(again);
         let most = DEVIATIONS * self.chart.looseness(scene.survey, at) + FARTHER;
         let walls = std::mem::take(&mut self.feel_for);
-        self.doing = Doing::Feeling(Feeling::new(walls, most));
+        self.doing = Doing::Feeling(Feeling::new(walls, most, scene.tracker.time_us()));
     }
 
-    /// The next motion towards the walls, and the turn when they are met. One that is not where it has to be
-    /// makes the robot doubt its place: none then.
+    /// The next motion towards the walls, and then the turn; none when that is done. A wall that neither has
+    /// met, and that has to be there, makes the robot doubt its place.
     pub(super) fn feel(&mut self, mut feeling: Feeling, scene: &mut Scene<'_>) -> Option<Ask> {
-        let Some(front) = self.chassis.sensor_towards(0.0, FACING) else {
-            return Some(self.look_round());
-        };
-        if let Some(ask) = feeling.next(&scene.rest, front) {
+        let front = self.chassis.sensor_towards(0.0, FACING).filter(|_| !feeling.turned);
+        let mut ask = front.and_then(|front| feeling.next(&scene.rest, front));
+        if ask.is_none() && !feeling.turned {
+            feeling.turned = true;
+            ask = Some(self.look_round());
+        }
+        if ask.is_some() {
             self.doing = Doing::Feeling(feeling);
-            return Some(ask);
+            return ask;
         }
+        // One switch may have missed it.
+        let met = |wall: &Vector| {
+            let since = self.wall.log().iter().filter(|seen| seen.time_us >= feeling.begun_us);
+            since.filter(|seen| seen.alive).any(|seen| angle::unit(seen.beam).dot(wall) > ALONG)
+        };
         let here = scene.rest.pose.position;
-        if feeling.missed && self.may_doubt(here) {
-            self.go_astray(here, None, scene);
-            return None;
-        }
-        if !feeling.missed {
+        if feeling.missed.iter().all(met) {
             self.sure.at(scene.tracker.time_us());
+        } else if self.may_doubt(here) {
+            self.go_astray(here, None, scene);
         }
-        Some(self.look_round())
+        None
     }
 
     /// At the corner: a turn that leads every wall past at least two switches.
@@ -288,7 +301,7 @@ mod tests {
 
     #[test]
     fn a_wall_that_is_farther_off_than_believed_is_gone_to_until_it_is_seen() {
-        let mut feeling = Feeling::new(vec![Vector::x(), Vector::y()], 0.3);
+        let mut feeling = Feeling::new(vec![Vector::x(), Vector::y()], 0.3, 0);
         let turned = feeling.next(&rest(1.0, false, DoneReason::Complete), FRONT).expect("a turn");
         assert!(matches!(turned.motion, Motion::Turn { angle, .. } if (angle + 1.0).abs() < 1e-9));
         let (most, guarded) = moves(feeling.next(&rest(0.0, false, DoneReason::Complete), FRONT));
@@ -301,21 +314,22 @@ mod tests {
         let up = angle::PI / 2.0;
         moves(feeling.next(&rest(up, false, DoneReason::Complete), FRONT));
         assert!(feeling.next(&rest(up, false, DoneReason::Complete), FRONT).is_none());
+        assert_eq!(feeling.missed, [Vector::y()]);
     }
 
     #[test]
     fn a_wall_that_is_seen_already_is_not_driven_into() {
-        let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
+        let mut feeling = Feeling::new(vec![Vector::x()], 1.0, 0);
         assert!(feeling.next(&rest(0.0, true, DoneReason::Complete), FRONT).is_none());
     }
 
     #[test]
     fn what_the_bumper_meets_is_not_pushed() {
-        let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
+        let mut feeling = Feeling::new(vec![Vector::x()], 1.0, 0);
         moves(feeling.next(&rest(0.0, false, DoneReason::Complete), FRONT));
         assert!(feeling.next(&rest(0.0, false, DoneReason::Bumper), FRONT).is_none());
         // Nor is a turn that something holds up tried for ever.
-        let mut feeling = Feeling::new(vec![Vector::x()], 1.0);
+        let mut feeling = Feeling::new(vec![Vector::x()], 1.0, 0);
         assert!(feeling.next(&rest(1.0, false, DoneReason::Complete), FRONT).is_some());
         assert!(feeling.next(&rest(0.9, false, DoneReason::Stalled), FRONT).is_none());
     }

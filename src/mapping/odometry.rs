@@ -203,16 +203,31 @@ impl Tracker {
         self.settle(there(self.pose));
     }
 
-    /// Where the robot was after `from_us` and until `to_us` (robot time, microseconds) is not known after all:
-    /// that part of the trajectory is left out.
-    pub fn forget(&mut self, from_us: u64, to_us: u64) {
-        let first = self.path.partition_point(|point| point.time_us <= from_us);
-        let end = self.path.partition_point(|point| point.time_us <= to_us).max(first);
-        self.path.drain(first..end);
-        if let Some(next) = self.path.get_mut(first) {
-            next.carried = true;
+    /// The robot was not carried before place `since` of the trajectory, from which on `onto` took it to the
+    /// map, but came to be where it is on its way there: what was driven after `from_us` (robot time,
+    /// microseconds) is moved by a part of that, in proportion to the way.
+    pub fn lead_to(&mut self, from_us: u64, since: usize, onto: &Pose) {
+        let since = since.min(self.path.len());
+        let first = self.path.partition_point(|point| point.time_us <= from_us).min(since);
+        let mut way = 0.0;
+        let mut last = self.path.get(first).map(|point| point.pose.position);
+        let ways: Vec<f64> = self.path[first..since]
+            .iter()
+            .map(|point| {
+                way += last.map_or(0.0, |last| (point.pose.position - last).norm());
+                last = Some(point.pose.position);
+                way
+            })
+            .collect();
+        for (point, part) in self.path[first..since].iter_mut().zip(ways) {
+            let share = part / way.max(1e-9);
+            let there = onto.to_world(point.pose.position);
+            point.pose.position += (there - point.pose.position) * share;
+            point.pose.heading = angle::wrap(point.pose.heading + onto.heading * share);
         }
-        self.settle(self.pose);
+        if let Some(next) = self.path.get_mut(since) {
+            next.carried = first == since;
+        }
     }
 
     /// Begins anew at `pose`: what was driven before does not count.

@@ -130,6 +130,12 @@ impl Relocation {
         tracker.travelled() - self.begun
     }
 
+    /// Where the robot believed it was when it began, in its own frame.
+    #[must_use]
+    pub fn from(&self) -> Pose {
+        self.from
+    }
+
     /// When it began, microseconds of robot time.
     #[must_use]
     pub fn begun_us(&self) -> u64 {

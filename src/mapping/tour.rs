@@ -121,6 +121,8 @@ pub struct Tour {
     sure: Sureness,
     /// Where something was met that could not be there.
     doubts: Vec<Doubt>,
+    /// When the last of these turned out to be right, microseconds of robot time.
+    settled_us: u64,
     /// What it was beside when it doubted its place last, until that is handed out.
     astray: Option<Box<Astray>>,
 }
@@ -174,6 +176,7 @@ impl Tour {
             fixed_by: None,
             sure: Sureness::default(),
             doubts: Vec::new(),
+            settled_us: 0,
             astray: None,
         }
     }

@@ -15,8 +15,10 @@ use crate::robot::DoneReason;
 /// ragged, and neighbouring contacts err together.
 const SUREST: (f64, f64) = (0.02, 0.01);
 
-/// A robot that was this far off is not where it was believed to be for no more than drift, metres.
-const ASTRAY_BY: f64 = 0.15;
+/// A robot that was farther off than this, metres, and than so many standard deviations of its pose, is not
+/// where it was believed to be for more than drift.
+const ASTRAY_BY: f64 = 0.1;
+const DEVIATIONS: f64 = 3.0;
 
 impl Mission {
     /// The robot stands elsewhere, about at `near` if anybody knows; false while it moves or when the
@@ -130,13 +132,20 @@ impl Mission {
             }
             Seek::Found(place) => {
                 let driven = relocation.driven(&self.tracker);
-                let believed = self.tracker.pose().position;
-                self.found(&place, &tour);
-                let off = (self.tracker.pose().position - believed).norm();
+                let at = relocation.from().position;
+                let off = (place.of(relocation.from()).position - at).norm();
+                let unsure = DEVIATIONS * tour.chart().looseness(&self.survey, at);
+                let since = self.found(&place, &tour);
                 if doubts {
-                    tour.settle_doubt();
-                    if off > ASTRAY_BY {
-                        self.take_back(&relocation, &mut tour, out);
+                    self.tracker.lead_to(tour.sure_us(), since, &place.onto);
+                    let mut told = Vec::new();
+                    tour.settle_doubt(self.tracker.time_us(), &mut self.map, &mut told);
+                    // Farther off than its pose is unsure, it was somewhere else for some time.
+                    if off > unsure.max(ASTRAY_BY) {
+                        tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
+                    }
+                    for kind in told {
+                        self.tell(kind, out);
                     }
                 }
                 tour.be_sure(self.tracker.time_us());
@@ -156,19 +165,10 @@ impl Mission {
         }
     }
 
-    /// Takes back what was done since the robot's place was last sure, until it began to look for it.
-    fn take_back(&mut self, relocation: &Relocation, tour: &mut Tour, out: &mut Vec<Output>) {
-        self.tracker.forget(tour.sure_us(), relocation.begun_us());
-        let mut told = Vec::new();
-        tour.take_back(&mut self.map, &mut told);
-        for kind in told {
-            self.tell(kind, out);
-        }
-    }
-
-    /// Takes the pose, and what was driven in a frame of its own, to the map.
-    fn found(&mut self, place: &Place, tour: &Tour) {
-        let Some(lost) = self.lost.take() else { return };
+    /// Takes the pose, and what was driven in a frame of its own, to the map; the place of the trajectory at
+    /// which that begins.
+    fn found(&mut self, place: &Place, tour: &Tour) -> usize {
+        let Some(lost) = self.lost.take() else { return usize::MAX };
         self.tracker.carry(lost.since, &place.onto);
         let pose = self.tracker.pose();
         self.rest.pose = pose;
@@ -178,5 +178,6 @@ impl Mission {
         if let Some(tie) = tour.chart().tie_at(&self.survey, pose.position) {
             self.survey.found(pose.position, &tie, sd);
         }
+        lost.since
     }
 }

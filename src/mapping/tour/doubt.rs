@@ -9,7 +9,7 @@ use crate::geometry::{Point, Ring};
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Coverage;
 use crate::mapping::follow::Side;
-use crate::mapping::map::{Contact, LineStatus, MappedObject, PathPoint, RoomMap};
+use crate::mapping::map::{Contact, LineStatus, MappedObject, ObjectClass, PathPoint, RoomMap};
 use crate::mapping::shape::Thing;
 use crate::mapping::wall::Wall;
 
@@ -53,9 +53,9 @@ pub(super) struct Doubt {
     settled: bool,
 }
 
-/// Whether `p` is nearer than `radius` to where the body has been.
-fn has_been(path: &[PathPoint], radius: f64, p: Point) -> bool {
-    path.iter().any(|place| (place.pose.position - p).norm() < radius)
+/// Whether `p` is nearer than `radius` to one of the places where the body has been.
+fn has_been(mut path: impl Iterator<Item = Point>, radius: f64, p: Point) -> bool {
+    path.any(|place| (place - p).norm() < radius)
 }
 
 /// Whether any of `points` lies within `ring`, deeper than `depth`.
@@ -77,6 +77,11 @@ fn share(points: impl Iterator<Item = Point>, so: impl Fn(Point) -> bool) -> f64
     let (of, all) =
         points.fold((0.0_f64, 0.0_f64), |(of, all), p| (of + f64::from(so(p)), all + 1.0));
     of / all.max(1.0)
+}
+
+/// When an object was first seen, robot time, microseconds.
+fn began(object: &MappedObject) -> u64 {
+    object.contacts.first().map_or(0, Contact::time_us)
 }
 
 /// Whether what is `one` is where the `other` is, or part of it.
@@ -119,6 +124,12 @@ impl Tour {
         ERRS.max(DEVIATIONS * self.chart.looseness(scene.survey, p))
     }
 
+    /// Where the body has been for sure.
+    fn been<'a>(&'a self, scene: &'a Scene<'_>) -> impl Iterator<Item = Point> + 'a {
+        let sure = |place: &&PathPoint| !self.sure.was_astray(place.time_us);
+        scene.tracker.path().iter().filter(sure).map(|place| place.pose.position)
+    }
+
     /// Whether a thing cannot be where it was met.
     pub(super) fn cannot_be_at(&self, p: Point, scene: &Scene<'_>) -> bool {
         if !self.may_doubt(p) {
@@ -126,7 +137,7 @@ impl Tour {
         }
         let (errs, outline) = (self.errs_by(p, scene), self.chart.outline());
         (!outline.contains(p) && outline.distance(p) > errs)
-            || has_been(scene.tracker.path(), self.chassis.radius - errs, p)
+            || has_been(self.been(scene), self.chassis.radius - errs, p)
     }
 
     /// The middle of one of the things that were gone round which cannot be where it seems to be.
@@ -134,21 +145,27 @@ impl Tour {
         let outline = self.chart.outline();
         let is_wrong = |ring: &&Ring| {
             let errs = self.errs_by(ring.middle(), scene) + LED_ROUND * ring.perimeter();
-            let been = scene.tracker.path().iter().map(|place| place.pose.position);
             let outside = |p: Point| !outline.contains(p) && outline.distance(p) > errs;
             self.may_doubt(ring.middle())
-                && (holds(ring, errs, been)
+                && (holds(ring, errs, self.been(scene))
                     || self.chart.objects().any(|other| overlap(ring, other, errs))
                     || edge(ring).any(outside))
         };
         found.iter().map(|thing| &thing.outline).find(is_wrong).map(Ring::middle)
     }
 
-    /// The robot has found its place: its last doubt was right.
-    pub fn settle_doubt(&mut self) {
+    /// The robot has found its place at `now_us`, robot time in microseconds: its last doubt was right. What
+    /// it left open since the doubt before leaves the map, for a robot that is astray takes a wall for
+    /// something that it cannot go round; what is there is met again.
+    pub fn settle_doubt(&mut self, now_us: u64, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
         if let Some(doubt) = self.doubts.last_mut() {
             doubt.settled = true;
         }
+        let since = std::mem::replace(&mut self.settled_us, now_us);
+        let open =
+            |object: &MappedObject| object.class == ObjectClass::Open && began(object) > since;
+        let wrong: Vec<bool> = map.objects.iter().map(open).collect();
+        self.take_away(&wrong, map, tell);
     }
 
     /// When the robot's place was last sure beyond doubt, microseconds of robot time.
@@ -163,16 +180,13 @@ impl Tour {
     }
 
     /// Takes back all that was done since the robot's place was last sure, since it was somewhere else by
-    /// then: objects leave the map, lines are driven again, and where it was is not known to be swept. What
-    /// was left open goes in any case: a robot that is astray takes a wall for something that it cannot go
-    /// round, and what is there is met again.
-    pub fn take_back(&mut self, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
-        let since = |object: &MappedObject| {
-            let late = |seen: &Contact| seen.time_us() > self.sure_us();
-            !object.closed || object.contacts.first().is_some_and(late)
-        };
+    /// then: objects leave the map, lines are driven again, and where it was is not known to be swept.
+    /// `until_us`, robot time in microseconds, is when it began to look for its place.
+    pub fn take_back(&mut self, until_us: u64, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
+        let since = |object: &MappedObject| began(object) > self.sure_us();
         let wrong: Vec<bool> = map.objects.iter().map(since).collect();
         self.take_away(&wrong, map, tell);
+        self.sure.was_not_until(until_us);
         let ended = self.sure.take_ended();
         let lines = ended.len();
         for (id, backwards) in ended.into_iter().rev() {
@@ -262,23 +276,13 @@ impl Tour {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Pose;
-    use crate::mapping::map::{Phase, Spun};
 
     #[test]
     fn nothing_is_where_the_body_has_been() {
-        let place = |k: u64| PathPoint {
-            pose: Pose::new(k as f64 * 0.01, 0.0, 0.0),
-            time_us: k,
-            rested_us: 0,
-            spun: Spun::default(),
-            phase: Phase::Objects,
-            carried: false,
-        };
-        let path: Vec<PathPoint> = (0..100).map(place).collect();
-        assert!(has_been(&path, 0.06, Point::new(0.5, 0.04)));
-        assert!(!has_been(&path, 0.06, Point::new(0.5, 0.09)));
-        assert!(!has_been(&path, 0.06, Point::new(1.2, 0.0)));
+        let path = || (0..100).map(|k| Point::new(f64::from(k) * 0.01, 0.0));
+        assert!(has_been(path(), 0.06, Point::new(0.5, 0.04)));
+        assert!(!has_been(path(), 0.06, Point::new(0.5, 0.09)));
+        assert!(!has_been(path(), 0.06, Point::new(1.2, 0.0)));
     }
 
     fn square(x: f64, y: f64, side: f64) -> Ring {

@@ -18,6 +18,10 @@ impl Tour {
     pub(super) fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
         let path = scene.tracker.path();
         for point in &path[self.covered..] {
+            if self.sure.was_astray(point.time_us) {
+                self.coverage.lift();
+                continue;
+            }
             if point.carried {
                 self.coverage.lift();
             }

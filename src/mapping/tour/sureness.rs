@@ -20,6 +20,8 @@ pub(super) struct Sureness {
     agreed: Vec<(f64, u64)>,
     /// Lines that ended since: number, whether driven from the end, robot time.
     ended: Vec<(u32, bool, u64)>,
+    /// When the robot was somewhere else, as it turned out: after the one until the other.
+    astray: Vec<(u64, u64)>,
 }
 
 /// The angle between two lines of these directions, 0 to a quarter turn.
@@ -54,6 +56,16 @@ impl Sureness {
         if let Some(earlier) = earlier {
             self.at(earlier);
         }
+    }
+
+    /// It turned out that the robot was somewhere else, from then on until `until_us`.
+    pub(super) fn was_not_until(&mut self, until_us: u64) {
+        self.astray.push((self.since_us, until_us));
+    }
+
+    /// Whether nobody knows where the robot was at that time.
+    pub(super) fn was_astray(&self, time_us: u64) -> bool {
+        self.astray.iter().any(|(after, until)| (*after + 1..=*until).contains(&time_us))
     }
 
     /// A line came to its end.

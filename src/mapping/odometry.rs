@@ -7,6 +7,8 @@
 //! moves and turns in place that the command set consists of. Knows nothing of walls; corrections
 //! come from outside, through [`Tracker::correct`] and [`Tracker::nudge`].
 
+mod trajectory;
+
 use super::drift::Unwound;
 use super::map::{PathPoint, Phase, Spun};
 use crate::geometry::{Point, Pose, angle};
@@ -22,9 +24,6 @@ const LEAST_REST: f64 = 2.0;
 /// A rest before the first motion must be this long to count, seconds: a shorter one says less of the
 /// drift than is known beforehand, and would make the map hang on the operator's patience.
 const FIRST_REST: f64 = 60.0;
-
-/// Corrections nearer to each other than this along the way are one, metres.
-const LEAST_APART: f64 = 0.3;
 
 /// The turn between two readings of the gyro, which counts in microradians, without what is rounded when
 /// large numbers are taken from each other: it is the same wherever the gyro began.
@@ -152,88 +151,11 @@ impl Tracker {
         }
     }
 
-    /// Moves the believed pose by a correction that was measured against the map. What was driven
-    /// since the last correction is moved too, in proportion to the way: that is where the error
-    /// came from.
-    pub fn correct(&mut self, to: Pose) {
-        let turned = angle::wrap(to.heading - self.heading);
-        let moved = to.position - self.pose.position;
-        if self.travelled - self.fixed.at > LEAST_APART {
-            self.fixed.since = self.fixed.from;
-        }
-        let since = self.fixed.since.min(self.path.len());
-        let mut way = 0.0;
-        let ways: Vec<f64> = self.path[since..]
-            .windows(2)
-            .map(|w| {
-                way += (w[1].pose.position - w[0].pose.position).norm();
-                way
-            })
-            .collect();
-        for (point, part) in self.path[since..].iter_mut().skip(1).zip(ways) {
-            let share = part / way.max(1e-9);
-            point.pose.position += moved * share;
-            point.pose.heading = angle::wrap(point.pose.heading + turned * share);
-        }
-        let begun = self.fixed.since;
-        self.settle(to);
-        self.fixed.since = begun;
-    }
-
     /// Moves the believed pose by what wheels and gyro, weighed against each other, say of it. No more
     /// than the gyro errs by in a few metres: the trajectory stays where it is.
     pub fn nudge(&mut self, to: Pose) {
         self.heading += angle::wrap(to.heading - self.heading);
         self.pose = Pose { position: to.position, heading: angle::wrap(self.heading) };
-    }
-
-    /// All that was driven since place `since` of the trajectory was believed in a frame of its own, and
-    /// `onto` takes it to the map; the robot had been carried there.
-    pub fn carry(&mut self, since: usize, onto: &Pose) {
-        let there = |pose: Pose| Pose {
-            position: onto.to_world(pose.position),
-            heading: angle::wrap(pose.heading + onto.heading),
-        };
-        for point in self.path.iter_mut().skip(since) {
-            point.pose = there(point.pose);
-        }
-        if let Some(first) = self.path.get_mut(since) {
-            first.carried = true;
-        }
-        self.settle(there(self.pose));
-    }
-
-    /// The robot was not carried before place `since` of the trajectory, from which on `onto` took it to the
-    /// map, but came to be where it is on its way there: what was driven after `from_us` (robot time,
-    /// microseconds) is moved by a part of that, in proportion to the way.
-    pub fn lead_to(&mut self, from_us: u64, since: usize, onto: &Pose) {
-        let since = since.min(self.path.len());
-        let first = self.path.partition_point(|point| point.time_us <= from_us).min(since);
-        let mut way = 0.0;
-        let mut last = self.path.get(first).map(|point| point.pose.position);
-        let ways: Vec<f64> = self.path[first..since]
-            .iter()
-            .map(|point| {
-                way += last.map_or(0.0, |last| (point.pose.position - last).norm());
-                last = Some(point.pose.position);
-                way
-            })
-            .collect();
-        for (point, part) in self.path[first..since].iter_mut().zip(ways) {
-            let share = part / way.max(1e-9);
-            let there = onto.to_world(point.pose.position);
-            point.pose.position += (there - point.pose.position) * share;
-            point.pose.heading = angle::wrap(point.pose.heading + onto.heading * share);
-        }
-        if let Some(next) = self.path.get_mut(since) {
-            next.carried = first == since;
-        }
-    }
-
-    /// Begins anew at `pose`: what was driven before does not count.
-    pub fn begin_anew(&mut self, pose: Pose) {
-        self.path.clear();
-        self.settle(pose);
     }
 
     /// Goes on from `to`, to which all that was driven leads by now.

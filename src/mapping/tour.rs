@@ -13,6 +13,7 @@ mod bearings;
 mod doubt;
 mod drive;
 mod extra;
+mod leave;
 mod line;
 mod no_passage;
 mod recognise;
@@ -36,7 +37,7 @@ use crate::robot::Chassis;
 use bearings::Feeling;
 pub use doubt::Astray;
 use doubt::Doubt;
-use drive::{Drive, Purpose};
+use drive::Drive;
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 use sureness::Sureness;
@@ -352,48 +353,6 @@ impl Tour {
         }
         self.shut_in.push(here);
         Some(retreat)
-    }
-
-    /// The robot was carried off, or is astray: what it was doing is left undone, and its line is driven again.
-    pub fn interrupt(&mut self, map: &mut RoomMap) {
-        self.wall = Wall::new(&self.chassis);
-        self.look_next = None;
-        self.to_tie = None;
-        let suspended = self.suspended.take().map(|drive| *drive);
-        for drive in suspended.into_iter().chain(self.in_hand()) {
-            self.undo(&drive, map);
-        }
-    }
-
-    /// What is being driven, taken out of hand.
-    fn in_hand(&mut self) -> Option<Drive> {
-        match std::mem::replace(&mut self.doing, Doing::Choosing) {
-            Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => None,
-            Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
-                Some(*drive)
-            }
-            Doing::Rounding(round) => Some(round.into_drive()),
-        }
-    }
-
-    /// A line that was begun is driven from its beginning once more.
-    fn undo(&mut self, drive: &Drive, map: &mut RoomMap) {
-        if drive.purpose != Purpose::Line {
-            return;
-        }
-        self.driven -= drive.done;
-        self.halves.retain(|(id, _)| *id != drive.id);
-        self.queue.push_front((drive.id, drive.backwards));
-        let line = map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
-        if let Some(line) = line {
-            finish(line, LineStatus::Planned, None);
-        }
-    }
-
-    /// The line in hand is at an end: nothing on it leads anywhere.
-    fn give_up(&mut self, scene: &mut Scene<'_>) {
-        let Some(drive) = self.in_hand() else { return };
-        self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
     }
 
     fn choose(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {

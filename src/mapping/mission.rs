@@ -9,6 +9,7 @@ mod again;
 mod hearing;
 mod phases;
 mod place;
+mod wishes;
 
 use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
@@ -18,9 +19,7 @@ use super::relocate::{About, Relocation};
 use super::retrace::{Beside, Retrace};
 use super::search::Search;
 use super::settings::Settings;
-use super::square::{Squared, square};
 use super::survey::Survey;
-use super::tape::Tape;
 use super::tour::Tour;
 use super::trust::Trust;
 use super::wall::{Turning, Wall};
@@ -266,73 +265,6 @@ impl Mission {
             Task::Tour(tour) | Task::Relocate(_, tour) => Some(tour.share()),
             Task::Shape | Task::Plan => Some(0.0),
             Task::Over => Some(1.0),
-        }
-    }
-
-    /// Uses another α. The plan is made anew if there is one and none of it is driven yet; with
-    /// lines driven it stays as it is, and false comes back.
-    pub fn set_alpha(&mut self, alpha: f64, out: &mut Vec<Output>) -> bool {
-        let begun =
-            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
-        if begun || self.outcome != Outcome::Going {
-            return false;
-        }
-        self.settings.alpha = alpha;
-        self.tell(EventKind::AlphaSet { alpha }, out);
-        if self.map.plan.is_some() {
-            self.make_plan(out);
-            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
-        }
-        true
-    }
-
-    /// Squares the map that is handed over, or undoes that.
-    pub fn toggle_square(&mut self, out: &mut Vec<Output>) {
-        self.settings.square = !self.settings.square;
-        if self.settings.square {
-            self.tell_squared(out);
-        } else {
-            self.tell(EventKind::Unsquared, out);
-        }
-    }
-
-    /// Tells what squaring makes of the outline, if that is wanted.
-    fn tell_squared(&mut self, out: &mut Vec<Output>) {
-        let Some(shape) = self.map.shape.as_ref().filter(|_| self.settings.square) else {
-            return;
-        };
-        let told = square(&shape.outline).map_or(EventKind::NothingSquare, |(_, squared)| {
-            let Squared { walls, left, turned, moved, .. } = squared;
-            EventKind::MadeSquare { walls, left, turned, moved }
-        });
-        self.tell(told, out);
-    }
-
-    /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of
-    /// the plan driven the map stays as it is, and false comes back.
-    pub fn set_tape(&mut self, tape: Tape, out: &mut Vec<Output>) -> bool {
-        let begun =
-            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
-        if begun || self.outcome != Outcome::Going {
-            return false;
-        }
-        self.settings.tape = Some(tape);
-        if self.map.shape.is_none() {
-            self.tell(EventKind::TapeNoted { taped: tape.length }, out);
-            return true;
-        }
-        self.tape_shape(out);
-        if self.map.plan.is_some() {
-            self.make_plan(out);
-            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
-        }
-        true
-    }
-
-    /// The operator ends the run.
-    pub fn finish(&mut self, out: &mut Vec<Output>) {
-        if self.outcome == Outcome::Going {
-            self.fail(Failure::Ended, out);
         }
     }
 

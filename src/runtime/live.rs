@@ -1,6 +1,7 @@
 //! A session with a real robot, without the port: bytes and the time in, bytes out. What reads and
 //! writes the port is [`super::line`]; the tests put a faulty line and a simulated robot in its place.
 
+mod anew;
 mod restart;
 mod telling;
 
@@ -230,69 +231,6 @@ impl<W: Write> LiveRun<W> {
                 }
                 Heard::NotBegun(id) => self.not_begun(id, now),
             }
-        }
-    }
-
-    /// The robot was started again: it stands still, and where it is, is no longer known. The operator
-    /// decides when it goes to find its place; without one the run ends here, to be gone on with.
-    fn rebooted(&mut self, now: f64) {
-        let why = "the robot was started again: where it is, is no longer known";
-        self.remark(why.to_owned(), now);
-        self.stop(now);
-        let Some(session) = &self.session else {
-            return self.end(Outcome::Failed, why.to_owned());
-        };
-        if self.plan.at_once {
-            return self.end(Outcome::Failed, format!("{why}; --resume finds its place again"));
-        }
-        let tracker = session.mission().tracker();
-        self.restarted = tracker.last();
-        self.settling = Some(0);
-        self.carried = Some(Intent::Placed { near: None });
-    }
-
-    /// Goes on with a run, if this is its robot; in another life of it, or carried, it has to find its
-    /// place first.
-    fn take_up(&mut self, interrupted: Interrupted, identity: &Identity, now: f64) {
-        let Interrupted { session, robot, unrecorded, records, placed } = interrupted;
-        let was = &session.mission().settings().chassis;
-        let reason = if robot.name != identity.name {
-            format!("the run was made with {}, and this is {}", robot.name, identity.name)
-        } else if *was != identity.chassis {
-            "the robot has another body or other switches than in the run".to_owned()
-        } else {
-            self.journal = self.out.take().map(|out| Journal::go_on(out, records));
-            let time_us = session.mission().tracker().time_us();
-            for command in &unrecorded {
-                if let Some(journal) = &mut self.journal {
-                    journal.command(time_us, command);
-                }
-            }
-            let again = robot.boot != identity.boot;
-            if again {
-                self.restarted = session.mission().tracker().last();
-            }
-            self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
-            self.session = Some(session);
-            self.intent(Intent::Pause, now);
-            self.settling = Some(0);
-            return;
-        };
-        self.end(Outcome::Failed, reason);
-    }
-
-    /// The robot stands still after an interruption: what it was doing then is over.
-    fn settled(&mut self, now: f64) {
-        self.settling = None;
-        if let Some(id) = self.session.as_ref().and_then(|session| session.mission().awaited()) {
-            self.not_begun(id, now);
-        }
-        if let Some(carried) = self.carried.take() {
-            self.intent(carried, now);
-        }
-        if self.plan.at_once {
-            self.intent(Intent::ClearStop, now);
-            self.intent(Intent::Run, now);
         }
     }
 

@@ -1,0 +1,76 @@
+//! What the operator may change while a run is under way: α, the squaring of the map, a taped length, its end.
+
+use super::{Mission, Outcome, Output, Task};
+use crate::mapping::event::{EventKind, Failure};
+use crate::mapping::square::{Squared, square};
+use crate::mapping::tape::Tape;
+use crate::mapping::tour::Tour;
+
+impl Mission {
+    /// Uses another α. The plan is made anew if there is one and none of it is driven yet; with
+    /// lines driven it stays as it is, and false comes back.
+    pub fn set_alpha(&mut self, alpha: f64, out: &mut Vec<Output>) -> bool {
+        let begun =
+            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
+        if begun || self.outcome != Outcome::Going {
+            return false;
+        }
+        self.settings.alpha = alpha;
+        self.tell(EventKind::AlphaSet { alpha }, out);
+        if self.map.plan.is_some() {
+            self.make_plan(out);
+            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
+        }
+        true
+    }
+
+    /// Squares the map that is handed over, or undoes that.
+    pub fn toggle_square(&mut self, out: &mut Vec<Output>) {
+        self.settings.square = !self.settings.square;
+        if self.settings.square {
+            self.tell_squared(out);
+        } else {
+            self.tell(EventKind::Unsquared, out);
+        }
+    }
+
+    /// Tells what squaring makes of the outline, if that is wanted.
+    pub(super) fn tell_squared(&mut self, out: &mut Vec<Output>) {
+        let Some(shape) = self.map.shape.as_ref().filter(|_| self.settings.square) else {
+            return;
+        };
+        let told = square(&shape.outline).map_or(EventKind::NothingSquare, |(_, squared)| {
+            let Squared { walls, left, turned, moved, .. } = squared;
+            EventKind::MadeSquare { walls, left, turned, moved }
+        });
+        self.tell(told, out);
+    }
+
+    /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of
+    /// the plan driven the map stays as it is, and false comes back.
+    pub fn set_tape(&mut self, tape: Tape, out: &mut Vec<Output>) -> bool {
+        let begun =
+            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
+        if begun || self.outcome != Outcome::Going {
+            return false;
+        }
+        self.settings.tape = Some(tape);
+        if self.map.shape.is_none() {
+            self.tell(EventKind::TapeNoted { taped: tape.length }, out);
+            return true;
+        }
+        self.tape_shape(out);
+        if self.map.plan.is_some() {
+            self.make_plan(out);
+            self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));
+        }
+        true
+    }
+
+    /// The operator ends the run.
+    pub fn finish(&mut self, out: &mut Vec<Output>) {
+        if self.outcome == Outcome::Going {
+            self.fail(Failure::Ended, out);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What the host does as time passes: what is not answered is said again, and who is silent is noticed.
+
+use super::timing::{BLIND, BOOT, HELLO, LOST, PING, STALE, UNANSWERED, UNDOUBTED};
+use super::{Health, Heard, Host, Loss};
+use crate::wire::frame::seal;
+use crate::wire::message::{ToRobot, VERSION};
+
+impl Host {
+    /// Lets the time pass: what is due is said again, and who is silent is noticed. To be called
+    /// every few milliseconds, from the loop that decides: a host that hangs falls silent.
+    pub fn tick(&mut self, now: f64, told: &mut Vec<Heard>) {
+        if self.health == Health::Lost(Loss::Unplugged) {
+            return;
+        }
+        if now >= self.hello_due {
+            let hello = ToRobot::Hello { version: VERSION, session: self.session };
+            seal(&hello.to_string(), &mut self.out);
+            self.hello_due = now + HELLO;
+        }
+        if self.is_open() && self.hello_due.is_finite() {
+            self.hello_due = f64::INFINITY;
+        } else if !self.is_open() && self.hello_due.is_infinite() {
+            self.hello_due = now;
+        }
+        match self.health {
+            Health::Opening => {
+                if now - self.opened > BOOT {
+                    let why = match (self.understood, self.sample.is_empty()) {
+                        (true, _) => Loss::Unintroduced,
+                        (false, false) => Loss::Foreign(self.sample),
+                        (false, true) => Loss::NoAnswer,
+                    };
+                    self.lose(why, told);
+                }
+            }
+            Health::Up | Health::Stale => self.watch(now, told),
+            Health::Lost(_) => {}
+        }
+        self.resend_stop(now);
+    }
+
+    fn watch(&mut self, now: f64, told: &mut Vec<Heard>) {
+        let silence = now - self.heard;
+        if silence > LOST {
+            return self.lose(Loss::Silent, told);
+        }
+        self.turn(if silence > STALE { Health::Stale } else { Health::Up }, told);
+        if silence > STALE {
+            self.clean = now;
+        }
+        if now >= self.ping_due {
+            self.pings = self.pings.wrapping_add(1);
+            let ping = ToRobot::Ping { number: self.pings, event: self.event };
+            seal(&ping.to_string(), &mut self.out);
+            self.pinged = self.pinged.or(Some((self.pings, now)));
+            if self.pinged.is_some_and(|(_, sent)| now - sent > 1.0) {
+                self.pinged = None;
+            }
+            self.ping_due = now + PING;
+        }
+        if self.stop.is_none() && now - self.quiet > UNDOUBTED && silence < PING * 3.0 {
+            // Its end would have come by now.
+            if let Some(id) = self.doubt.take() {
+                self.motion = None;
+                told.push(Heard::NotBegun(id));
+            }
+        }
+        if let Some((_, over)) = self.motion {
+            if silence > BLIND && !self.halted {
+                self.halted = true;
+                self.stop(now);
+            }
+            if now > over {
+                self.stop(now);
+                return self.lose(Loss::Endless, told);
+            }
+        }
+        if let Some(pending) = &mut self.command
+            && now >= pending.due
+        {
+            if now - pending.since > UNANSWERED + 10.0 * self.latency {
+                self.stop(now);
+                return self.lose(Loss::Unacknowledged, told);
+            }
+            pending.again(now);
+            self.out.extend_from_slice(&pending.line);
+        }
+    }
+
+    /// A stop is repeated until it is acknowledged or the port is gone.
+    fn resend_stop(&mut self, now: f64) {
+        if let Some(pending) = &mut self.stop
+            && now >= pending.due
+        {
+            pending.again(now);
+            self.urgent.extend_from_slice(&pending.line);
+        }
+    }
+}

@@ -15,7 +15,7 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 /// Writes a result that is no text to standard output.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn print_bytes(bytes: &[u8]) -> Result<(), CommandError> {
     let mut out = io::stdout().lock();
     match out.write_all(bytes).and_then(|()| out.flush()) {

@@ -2,8 +2,9 @@
 //! its walls, since they may be farther off than it believes, and turns there. Its switches then see
 //! both, and these say where it stands; one wall alone leaves the way along it open. Then it goes along
 //! the longer of them for a metre and turns again: two looks at one wall, far apart, say how it heads,
-//! which one look says badly. Where no corner is near, a straight wall has to do. It decides where the
-//! robot looks; what a touch says of the pose is for chart and survey.
+//! which one look says badly. Where no corner is near, a straight wall has to do. Walls that are where they
+//! have to be make the robot's place sure; one that is not makes it doubt that. It decides where the robot
+//! looks; what a touch says of the pose is for chart and survey.
 
 use super::drive::Purpose;
 use super::{Doing, Drive, ROOM, Scene, Tour};

@@ -128,10 +128,15 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
             Strategy::Lean => "lean",
             Strategy::Lanes => "lanes",
         };
-        let done = plan.lines.iter().filter(|line| line.status == LineStatus::Driven).count();
-        let lines = words::count(plan.figures.lines, "line", "lines");
-        rows.push(("plan", format!("{name}: {lines}, {:.0} m", plan.figures.length), Role::Value));
-        rows.push(("", format!("{done} driven, α {:.2} m", plan.alpha), Role::Text));
+        // What the plan's own lines could not sweep is driven by lines that came later.
+        let own = |id: u32| plan.order.iter().any(|(of_plan, _)| *of_plan == id);
+        let driven = plan.lines.iter().filter(|line| line.status == LineStatus::Driven);
+        let (done, more): (Vec<_>, Vec<_>) = driven.partition(|line| own(line.id));
+        let more = if more.is_empty() { String::new() } else { format!(", +{}", more.len()) };
+        let (alpha, length) = (plan.alpha, plan.figures.length);
+        rows.push(("plan", format!("{name} α {alpha:.2}, {length:.0} m"), Role::Value));
+        let lines = plan.figures.lines;
+        rows.push(("", format!("{} of {lines} driven{more}", done.len()), Role::Text));
         let hidden = words::small(plan.figures.hidden_disc);
         rows.push(("promise", format!("hidden disc {hidden}"), Role::Value));
     }

@@ -78,3 +78,24 @@ fn laps_close_where_they_began() {
         }
     }
 }
+
+/// A floor where the tip of a board stands 0.31 m off the end of another: as far as the switches of both
+/// sides just reach, and just do not.
+const LAB: &str = include_str!("../sims/lab_maze.geojson");
+
+#[test]
+fn a_gap_that_is_refused_from_one_side_is_refused_from_the_other() {
+    let world = World::from_geojson(LAB, "lab", 0.1).expect("a world");
+    for seed in 5..=8 {
+        let settings = Settings { seed, ..Settings::new(world.start) };
+        let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
+        run.intent(Intent::Run);
+        while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
+            run.advance();
+        }
+        let (map, way) = (run.snapshot().map, run.snapshot().progress[0].travel);
+        assert!(map.closed, "{seed}: open");
+        // Led through it, the robot would go round and round the island, and map that first.
+        assert!(way < 2.0 * world.boundary.perimeter(), "{seed}: {way} m");
+    }
+}

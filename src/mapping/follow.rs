@@ -276,6 +276,7 @@ impl Follower {
                 && !self.is_known(wall, sensor)
                 && self.refuses(rest)
             {
+                self.bar(wall, sensor, rest);
                 wall.pull_in(sensor, self.body + BESIDE);
                 wall.leave_beyond(rest.pose);
                 return self.back_out("too narrow between two things: backing out");
@@ -313,11 +314,13 @@ impl Follower {
 
     fn face(&mut self, wall: &mut Wall, rest: &AtRest) -> Option<Ask> {
         let mut step = if self.ended { ROUND_CORNER } else { self.stride };
-        let contacts: Vec<Seen> = wall.near().map(Sighting::seen).collect();
-        let sure = || -> Vec<Seen> {
-            let range = wall.near().filter(|seen| seen.kind == ContactKind::Range);
-            range.map(Sighting::seen).collect()
+        // Bars first: what is seen is newer.
+        let bars: Vec<Seen> = self.bars(rest).collect();
+        let with_bars = |seen: &mut dyn Iterator<Item = &Sighting>| -> Vec<Seen> {
+            bars.iter().copied().chain(seen.map(Sighting::seen)).collect()
         };
+        let contacts = with_bars(&mut wall.near());
+        let sure = || with_bars(&mut wall.near().filter(|seen| seen.kind == ContactKind::Range));
         let swept = self.swept.as_ref();
         let along = if self.doing == Doing::Looking { self.looked_from } else { rest.pose.heading };
         // Where a touch was is a guess: it must not hold the robot on all sides.

@@ -9,17 +9,21 @@ use std::collections::VecDeque;
 
 /// A gap found too narrow nearer than this is the same, metres ...
 const SAME_GAP: f64 = 0.3;
-/// ... and no more than this often.
+/// ... and no more than this often, ...
 const MOST_REFUSALS: u32 = 2;
+/// ... unless the robot was so far from there meanwhile, metres.
+const AWAY: f64 = 1.0;
 /// Bumps nearer to each other than this are in one place, metres; so many of them hold the robot there.
 const SAME_PLACE: f64 = 0.04;
 const MOST_BUMPS: u32 = 3;
-/// So many places that the robot came from are kept, and it leaves towards one no nearer than this,
-/// metres.
-const TRAIL: usize = 60;
+/// After this way, metres, odometry does not tell any longer whether a place is the same.
+const KEPT: f64 = 20.0;
+/// Held, it leaves towards a place that it came from no nearer than this, metres.
 const WAY_OUT: f64 = 0.06;
 /// Nearer than this to a place that it came from it has been there, metres.
 const SAME_WAY: f64 = 0.08;
+/// Shares of the width of a gap at which it is barred.
+const BARS: [f64; 5] = [0.2, 0.35, 0.5, 0.65, 0.8];
 /// So far it must get, metres, before it has turned so many times round: more it needs in no dead end.
 const SPOT: f64 = 0.15;
 const MOST_TURNS: f64 = 1.5;
@@ -33,8 +37,11 @@ pub(super) struct Held {
     /// How often it came to rest where it was before.
     still: u32,
     last: Option<Point>,
-    /// Where it came from, the latest last.
-    trail: VecDeque<Point>,
+    /// How far it has come, metres, and by which places, the latest last.
+    way: f64,
+    trail: VecDeque<(Point, f64)>,
+    /// What keeps it out of the gaps that it refused.
+    bars: VecDeque<(Point, f64)>,
     /// Where it was bumped last, and how often thereabouts.
     bumped: Option<(Point, u32)>,
     /// Where a gap was last found too narrow, and how often thereabouts.
@@ -93,11 +100,15 @@ impl Held {
             return;
         }
         self.still = 0;
+        self.way += self.last.map_or(0.0, |last| (last - here).norm());
         self.last = Some(here);
-        self.trail.push_back(here);
-        if self.trail.len() > TRAIL {
-            self.trail.pop_front();
+        self.trail.push_back((here, self.way));
+        for kept in [&mut self.trail, &mut self.bars] {
+            while kept.front().is_some_and(|(_, then)| self.way - then > KEPT) {
+                kept.pop_front();
+            }
         }
+        self.refused = self.refused.filter(|(at, _)| (at - here).norm() < AWAY);
     }
 
     /// Whether it has gone nowhere for long.
@@ -112,14 +123,25 @@ impl Held {
         if times < MOST_BUMPS {
             return None;
         }
-        let from = self.trail.iter().rev().find(|p| (*p - here).norm() > WAY_OUT)?;
+        let (from, _) = self.trail.iter().rev().find(|(p, _)| (p - here).norm() > WAY_OUT)?;
         self.bumped = None;
         Some(*from)
     }
 
     /// Whether it came by `place` not long ago.
     pub(super) fn came_by(&self, place: Point) -> bool {
-        self.trail.iter().any(|p| (p - place).norm() < SAME_WAY)
+        self.trail.iter().any(|(p, _)| (p - place).norm() < SAME_WAY)
+    }
+
+    /// The gap between `here` and `there` is closed to it.
+    pub(super) fn bar(&mut self, here: Point, there: Point) {
+        let way = self.way;
+        self.bars.extend(BARS.map(|share| (here + (there - here) * share, way)));
+    }
+
+    /// What keeps it out of the gaps that it refused, as if something stood there.
+    pub(super) fn bars(&self) -> impl Iterator<Item = Point> {
+        self.bars.iter().map(|(bar, _)| *bar)
     }
 
     /// It found a gap too narrow at `here`; whether to go by that. A robot that stands between has to
@@ -216,11 +238,16 @@ mod tests {
     #[test]
     fn the_way_it_came_is_remembered_for_a_while() {
         let mut held = Held::default();
-        for k in 0..100 {
+        held.bar(Point::new(0.0, 0.1), Point::new(0.0, 0.4));
+        for k in 0..300 {
             held.moves_on(Point::new(0.05 * f64::from(k), 0.0));
         }
         assert!(held.came_by(Point::new(4.0, 0.05)));
         assert!(!held.came_by(Point::new(4.0, 0.2)));
-        assert!(!held.came_by(Point::new(1.0, 0.0)), "too long ago");
+        assert!(held.bars().any(|bar| (bar - Point::new(0.0, 0.25)).norm() < 1e-9));
+        for k in 300..500 {
+            held.moves_on(Point::new(0.05 * f64::from(k), 0.0));
+        }
+        assert!(!held.came_by(Point::new(4.0, 0.0)) && held.bars().next().is_none(), "long ago");
     }
 }

@@ -156,6 +156,8 @@ fn a_file_that_may_not_grow_is_told_once_and_truthfully() {
     assert!(told.contains("the record of the run") && told.contains("room on the disk"), "{told}");
     assert!(said.contains("not all results could be written"), "{said}");
     assert!(!said.contains("; results in"), "{said}");
+    // It does not go on to the end of the room first.
+    assert!(said.contains("the record cannot be written") && said.contains("stopped"), "{said}");
 }
 
 /// A port at which no robot answers leaves no folder, says no word of results, and the folder can be

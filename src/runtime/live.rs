@@ -153,6 +153,7 @@ impl<W: Write> LiveRun<W> {
         {
             let reason = format!("the record cannot be written: {error}; the robot was stopped");
             self.stop(now);
+            self.remark(reason.clone(), now);
             self.end(Outcome::Failed, reason);
         }
     }

@@ -21,6 +21,8 @@ pub struct SimulatedRun<W: Write> {
     header: Header,
     said: Vec<Telemetry>,
     outgoing: Vec<Outgoing>,
+    /// Why the run came to its end before the session did.
+    unrecorded: Option<String>,
     /// Filled when the run has ended, for the exports.
     map: RoomMap,
     true_path: Option<Vec<Pose>>,
@@ -45,6 +47,7 @@ impl<W: Write> SimulatedRun<W> {
             header,
             said: Vec::new(),
             outgoing: Vec::new(),
+            unrecorded: None,
             map: RoomMap::default(),
             true_path: None,
         };
@@ -66,6 +69,21 @@ impl<W: Write> SimulatedRun<W> {
     pub fn advance(&mut self) {
         self.link.advance(&mut self.said);
         self.take_telemetry();
+        self.stop_unrecorded();
+    }
+
+    /// A run that can no longer be recorded is stopped, as on a real robot, and again whenever it is set
+    /// going: no run is to be lost.
+    fn stop_unrecorded(&mut self) {
+        let Some(error) = self.journal.as_ref().and_then(Journal::error) else { return };
+        let goes_on = matches!(self.session.run_state(), RunState::Running | RunState::Stepping(_));
+        if goes_on {
+            let why = format!("the record cannot be written: {error}; the robot was stopped");
+            self.intent(Intent::Stop);
+            self.session.remark(why.clone(), &mut self.outgoing);
+            self.deliver();
+            self.unrecorded = Some(why);
+        }
     }
 
     /// The session.
@@ -114,7 +132,9 @@ impl<W: Write> SimulatedRun<W> {
     /// How the run ended; none while there is more to do.
     #[must_use]
     pub fn ending(&self) -> Option<Ending> {
-        Ending::of(&self.session)
+        let unrecorded = self.unrecorded.as_ref().filter(|_| !self.link.is_moving());
+        let failed = |reason: &String| Ending { outcome: Outcome::Failed, reason: reason.clone() };
+        Ending::of(&self.session).or_else(|| unrecorded.map(failed))
     }
 
     /// Writes everything known so far into `dir`.
@@ -246,5 +266,56 @@ impl<W: Write> Runner for Headless<W> {
 
     fn finish_journal(&mut self) -> std::io::Result<()> {
         self.run.journal.take().map_or(Ok(()), |journal| journal.finish().map(|_| ()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::event::Event;
+    use crate::mapping::settings::Settings;
+
+    /// A disk with so much room.
+    struct Disk(usize);
+
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            let left = self.0.checked_sub(bytes.len());
+            self.0 = left.ok_or_else(|| std::io::Error::from(std::io::ErrorKind::StorageFull))?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_run_that_cannot_be_recorded_any_longer_is_stopped_and_again_when_it_is_set_going() {
+        let text = include_str!("../../sims/rectangle.toml");
+        let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+        let header = Header {
+            settings: Settings::new(world.start),
+            source: world.name.clone(),
+            noise: String::new(),
+            until: None,
+            robot: None,
+        };
+        let journal = Journal::begin(Disk(100_000), &header).expect("room for the header");
+        let mut run = SimulatedRun::new(&world, header, NoiseProfile::None, Some(journal));
+        for times in 1..=2 {
+            run.intent(Intent::ClearStop);
+            run.intent(Intent::Run);
+            while run.is_under_way() {
+                run.advance();
+            }
+            let snapshot = run.snapshot();
+            assert_eq!(snapshot.run, RunState::Stopped);
+            let told = |event: &Event| event.kind.to_string().contains("record");
+            assert_eq!(snapshot.events.iter().filter(|event| told(event)).count(), times);
+            let ending = run.ending().expect("it has ended");
+            assert_eq!(ending.outcome, Outcome::Failed);
+            assert!(ending.reason.contains("no storage space"), "{}", ending.reason);
+        }
     }
 }

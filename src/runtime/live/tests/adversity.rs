@@ -21,6 +21,9 @@ fn a_full_disk_stops_the_robot_whenever_it_comes() {
             continue;
         }
         assert!(ending.reason.contains("no space left"), "room {room}: {}", ending.reason);
+        let events = rig.run.snapshot(rig.now).events;
+        let told = events.iter().any(|event| event.kind.to_string().contains("no space left"));
+        assert!(told || rig.run.session().is_none(), "room {room}: not in the log");
         let from = rig.body.true_pose().position;
         rig.until(0.6, |_| false);
         assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "room {room}: it still moves");

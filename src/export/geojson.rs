@@ -243,9 +243,8 @@ mod tests {
             let sagitta = sample::COLUMN.1 - off;
             assert!(sagitta <= 0.0002, "a chord strays {sagitta} m from its arc");
         }
-        let at = |pair: &[serde_json::Value], k: usize, axis: usize| {
-            pair[k][axis].as_f64().expect("a coordinate")
-        };
+        let at =
+            |pair: &[Value], k: usize, axis: usize| pair[k][axis].as_f64().expect("a coordinate");
         let doubled: f64 = ring
             .windows(2)
             .map(|pair| at(pair, 0, 0) * at(pair, 1, 1) - at(pair, 1, 0) * at(pair, 0, 1))

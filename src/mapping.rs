@@ -14,6 +14,7 @@ pub mod follow;
 pub mod lay;
 pub mod map;
 pub mod mission;
+pub mod network;
 pub mod odometry;
 pub mod passing;
 pub mod plan;

@@ -121,6 +121,13 @@ pub enum EventKind {
         /// How many parts.
         parts: usize,
     },
+    /// All that was read was adjusted at once.
+    AdjustedWhole {
+        /// How far the robot had been from where it was believed to be, root mean square, metres.
+        moved: f64,
+        /// Contacts that were of mapped surfaces.
+        used: usize,
+    },
     /// There is floor that cannot be reached.
     Unreached {
         /// Where the gap is narrowest.

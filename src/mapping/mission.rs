@@ -9,11 +9,13 @@ mod again;
 mod hearing;
 mod phases;
 mod place;
+mod whole;
 mod wishes;
 
 use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
 use super::map::{Contact, Phase, RoomMap};
+use super::network::Network;
 use super::odometry::Tracker;
 use super::relocate::{About, Relocation};
 use super::retrace::{Beside, Retrace};
@@ -83,6 +85,7 @@ pub struct Mission {
     settings: Settings,
     tracker: Tracker,
     survey: Survey,
+    network: Network,
     map: RoomMap,
     phase: Phase,
     task: Task,
@@ -114,6 +117,7 @@ impl Mission {
         let tracker = Tracker::new(&settings.chassis, settings.start);
         Self {
             survey: Survey::new(tracker.resolution()),
+            network: Network::new(settings.start),
             tracker,
             map: RoomMap::default(),
             phase: Phase::Boundary,

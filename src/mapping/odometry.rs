@@ -11,6 +11,7 @@ mod trajectory;
 
 use super::drift::Unwound;
 use super::map::{PathPoint, Phase, Spun};
+use super::network::Reading;
 use crate::geometry::{Point, Pose, angle};
 use crate::robot::{Chassis, Odometer};
 
@@ -59,6 +60,10 @@ pub struct Tracker {
     drift: (f64, f64),
     path: Vec<PathPoint>,
     fixed: Fixed,
+    /// What wheels and gyro read, nothing taken out.
+    read: Reading,
+    /// How long the heading was held, seconds, and what the gyro turned meanwhile, radians.
+    held: (f64, f64),
 }
 
 /// When the pose was corrected last.
@@ -93,6 +98,8 @@ impl Tracker {
             drift: (0.0, 0.0),
             path: Vec::new(),
             fixed: Fixed::default(),
+            read: Reading::default(),
+            held: (0.0, 0.0),
         }
     }
 
@@ -103,19 +110,25 @@ impl Tracker {
             let distance = ticks as f64 * self.tick * self.stretch / 2.0;
             let passed = to.time_us.saturating_sub(last.time_us);
             let seconds = passed as f64 * 1e-6;
-            let mut turned = whole(to.heading - last.heading) - self.bias * seconds;
+            let told = whole(to.heading - last.heading);
+            let mut turned = told - self.bias * seconds;
+            self.read.turned += told;
             if (to.left_ticks, to.right_ticks) != (last.left_ticks, last.right_ticks) {
                 if self.rolled.is_none() && self.drift.0 < FIRST_REST {
                     self.drift = (0.0, 0.0);
+                    self.held = (0.0, 0.0);
                 }
                 self.rolled = Some(to.time_us);
             } else if self.rolled.is_none_or(|rolled| last.time_us >= rolled + SETTLING) {
                 self.rested_us += passed;
                 self.drift = (self.drift.0 + seconds, self.drift.1 + turned);
+                self.held = (self.held.0 + seconds, self.held.1 + told);
+                self.read.turned -= told;
                 turned = 0.0;
             }
             let against = (to.right_ticks - last.right_ticks) - (to.left_ticks - last.left_ticks);
             self.spun.wheels += against as f64 * self.tick / self.wheel_base;
+            self.read.ahead += ticks as f64 * self.tick / 2.0;
             self.spun.gyro += turned;
             self.spun.wound += turned.abs();
             // A turn lasts until the robot turns the other way.
@@ -136,6 +149,9 @@ impl Tracker {
             self.first_us = to.time_us;
         }
         self.last = Some(*to);
+        self.read.time_us = to.time_us;
+        self.read.active = self.active();
+        self.read.against = self.spun.wheels;
         self.record(to.time_us, phase);
         self.pose
     }
@@ -216,6 +232,18 @@ impl Tracker {
     #[must_use]
     pub fn spun(&self) -> Spun {
         self.spun
+    }
+
+    /// What wheels and gyro read, nothing taken out.
+    #[must_use]
+    pub fn reading(&self) -> Reading {
+        self.read
+    }
+
+    /// For how many seconds the heading was held, and what the gyro turned meanwhile, radians.
+    #[must_use]
+    pub fn held(&self) -> (f64, f64) {
+        self.held
     }
 
     /// How long the heading was held in all, microseconds of robot time.

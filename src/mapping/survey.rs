@@ -19,9 +19,9 @@ mod sureness;
 #[cfg(test)]
 mod tests;
 
-pub use balance::Step;
+pub use balance::{Step, TURN_SHARE};
 pub use knots::Hung;
-pub use motion::{HEADING_WALK, STRIDE_SHARE};
+pub use motion::{ALONG, ASIDE, HEADING_WALK, STRIDE_SHARE};
 pub use sight::{Look, Surface};
 pub use sureness::worse;
 
@@ -34,7 +34,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 /// hour).
 const BIAS_SD: f64 = 1.5e-4;
 /// What the gyro's scale may be off by: within half a percent, out of the box.
-const SCALE_SD: f64 = 3.0e-3;
+pub const SCALE_SD: f64 = 3.0e-3;
 /// How far from a surface a contact may lie and still be of it, in standard deviations.
 const GATE: f64 = 3.5;
 
@@ -43,7 +43,7 @@ const GATE: f64 = 3.5;
 const WHEELS_SD: f64 = 10.0;
 
 /// What a turn by the wheels may be off by, as a share of it: wheel base, size of the wheels.
-const TRACK_SD: f64 = 0.01;
+pub const TRACK_SD: f64 = 0.01;
 
 /// Rows of the pose, of the gyro's drift and scale, of what the wheels turn by when they should go
 /// straight (per metre), of the share by which they turn too much, and of what all these, and
@@ -167,6 +167,13 @@ impl Survey {
             sd: self.covariance[(row, row)].max(0.0).sqrt(),
         };
         Own { bias: of(BIAS), scale: of(SCALE), wheels: of(WHEELS), track: of(TRACK) }
+    }
+
+    /// How the wheels hold this floor and how still the gyro is: variance of the wheels' heading, square
+    /// radians per metre, and that of the gyro's walk as a share of what its datasheet says.
+    #[must_use]
+    pub fn grip(&self) -> (f64, f64) {
+        (self.grip.wander(), self.grip.walk())
     }
 
     /// Whether it was told already that smooth walls are smooth.

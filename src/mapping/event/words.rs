@@ -327,6 +327,11 @@ impl fmt::Display for EventKind {
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
             Self::Fixed { .. } | Self::Bearings { .. } | Self::Tying { .. } => fixes(f, self),
+            Self::AdjustedWhole { moved, used } => write!(
+                f,
+                "adjusted as a whole, with {used} contacts: the robot had been {:.0} mm off (rms)",
+                moved * 1e3
+            ),
             Self::StillHidden { diameter, at } => write!(
                 f,
                 "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",

@@ -5,6 +5,7 @@ use super::{Mission, Outcome, Output, Task};
 use crate::mapping::chart::Chart;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::map::{Phase, RoomMap};
+use crate::mapping::network::Network;
 use crate::mapping::retrace::{Along, Retrace};
 use crate::mapping::search::Search;
 use crate::mapping::shape;
@@ -48,6 +49,7 @@ impl Mission {
         let dropped = self.map.objects.len();
         self.map = RoomMap { doubted, ..RoomMap::default() };
         self.tracker.begin_anew(here);
+        self.network = Network::new(here);
         self.laps = 0;
         self.task = Task::Search(Box::new(Search::new(&self.settings, here)));
         self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);

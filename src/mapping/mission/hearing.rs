@@ -1,11 +1,13 @@
 //! What the robot says, taken in: pose, contacts, how a motion ended. Nothing is decided here.
 
 use super::{AtRest, Mission, Output, Task};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, rotate};
 use crate::mapping::event::EventKind;
+use crate::mapping::map::ContactKind;
+use crate::mapping::network::{Glance, Rest};
 use crate::mapping::survey::Step;
 use crate::mapping::trust::{Defect, Doubted, Going};
-use crate::mapping::wall::Turning;
+use crate::mapping::wall::{Sighting, Turning};
 use crate::robot::{DoneReason, Odometer, SwitchSet, Telemetry};
 
 impl Mission {
@@ -29,6 +31,7 @@ impl Mission {
                 let turning = self.awaited.map_or(Turning::Unknown, |awaited| awaited.turning);
                 let travelled = self.tracker.travelled();
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
+                self.network_sees(seen.as_ref());
                 let fixed = seen.and_then(|seen| match &mut self.task {
                     Task::Tour(tour) => tour.fix(&mut self.survey, pose, &seen),
                     Task::Retrace(retrace) => retrace.fix(&mut self.survey, pose, &seen),
@@ -40,6 +43,8 @@ impl Mission {
             }
             Telemetry::Done { id, reason, odometer, switches, bumper } => {
                 let pose = self.odometer(odometer);
+                let held_up = matches!(reason, DoneReason::Bumper | DoneReason::Stalled);
+                self.network.rest(Rest { reading: self.tracker.reading(), held_up });
                 self.hear(*switches, out);
                 self.bumper = *bumper;
                 if self.awaited.is_some_and(|awaited| awaited.id == *id) {
@@ -53,6 +58,20 @@ impl Mission {
                     self.came_to_rest(pose, reason, odometer.time_us, out);
                 }
             }
+        }
+    }
+
+    /// Keeps what was `seen` for when all of it is adjusted.
+    fn network_sees(&mut self, seen: Option<&Sighting>) {
+        if let Some(seen) = seen
+            && let Some(sensor) = seen.sensor
+        {
+            self.network.glance(Glance {
+                reading: self.tracker.reading(),
+                sensor,
+                arm: rotate(seen.point - seen.pose.position, -seen.pose.heading),
+                sure: seen.kind == ContactKind::Range,
+            });
         }
     }
 
@@ -114,6 +133,9 @@ impl Mission {
         let spun = self.tracker.spun();
         let mut pose = self.tracker.advance(odometer, self.phase);
         let rested = self.tracker.rested_us() - rested;
+        if self.network.is_empty() {
+            self.network.rest(Rest { reading: self.tracker.reading(), held_up: false });
+        }
         if let Some((seconds, rate)) = self.tracker.take_drift() {
             self.survey.rest(seconds, rate);
             self.tracker.set_bias(self.tracker.bias() - self.survey.take_bias());

@@ -347,6 +347,7 @@ impl Mission {
     /// The last line is driven: the map is handed over.
     fn end_tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
         tour.publish(&self.survey, &mut self.map);
+        self.adjust_whole(out);
         self.refine();
         tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
         self.tell_unreached(out);

@@ -5,6 +5,7 @@ use super::{Lost, Mission, Outcome, Output, Task};
 use crate::geometry::{Pose, Ring};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::MappedObject;
+use crate::mapping::network::Network;
 use crate::mapping::relocate::recognise::Place;
 use crate::mapping::relocate::{About, Relocation, Seek};
 use crate::mapping::search::Search;
@@ -63,6 +64,7 @@ impl Mission {
     fn begin_anew(&mut self, from: Pose, out: &mut Vec<Output>) {
         let dropped = std::mem::take(&mut self.map.objects).len();
         self.tracker.begin_anew(from);
+        self.network = Network::new(from);
         self.laps = 0;
         self.lost = None;
         self.task = Task::Search(Box::new(Search::new(&self.settings, from)));
@@ -77,6 +79,7 @@ impl Mission {
     fn lose(&mut self, about: About) {
         let since = self.lost.map_or(self.tracker.path().len(), |lost| lost.since);
         self.lost = Some(Lost { since, about, waits: false });
+        self.network.break_off();
     }
 
     /// What the robot met cannot be where it believes it is: it looks for its place, from beside that.
@@ -84,6 +87,7 @@ impl Mission {
         self.tell(EventKind::Astray { at: self.tracker.pose().position }, out);
         let since = self.tracker.path().len();
         self.lost = Some(Lost { since, about: About::Doubted, waits: false });
+        self.network.break_off();
         // The round that gave it away may have corrected the pose at its end.
         self.rest.pose = self.tracker.pose();
         let mut relocation = self.relocation(&tour);

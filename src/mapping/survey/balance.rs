@@ -61,7 +61,7 @@ const LARGE: f64 = 0.2;
 /// Wheels and gyro are weighed at least this often, metres.
 const OFTEN: f64 = 0.4;
 /// What chance adds to a turn of the wheels, as a share of it: scrub.
-const TURN_SHARE: f64 = 0.005;
+pub const TURN_SHARE: f64 = 0.005;
 /// How much the wheels may wander on a floor, square radians per metre: from 0.02 to 0.6 degrees a
 /// root metre.
 const FLOORS: [f64; 7] = [1.0e-7, 3.0e-7, 1.0e-6, 3.0e-6, 1.0e-5, 3.0e-5, 1.0e-4];

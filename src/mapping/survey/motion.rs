@@ -12,9 +12,9 @@ pub const HEADING_WALK: f64 = 8.727e-4;
 /// What a straight drive is off by, as a share of it, each by itself: how the floor takes the wheels.
 pub const STRIDE_SHARE: f64 = 0.005;
 /// What the wheels lose on the way besides, by slips, metres per root metre.
-const ALONG: f64 = 0.0015;
+pub const ALONG: f64 = 0.0015;
 /// What the robot is put off to the side by more than its heading explains, likewise.
-const ASIDE: f64 = 0.0007;
+pub const ASIDE: f64 = 0.0007;
 
 /// What a step makes of the errors that change while the robot drives: those of the pose, and of what
 /// the wheels turned more than the gyro.

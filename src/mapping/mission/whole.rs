@@ -1,0 +1,55 @@
+//! At the end all that was read is adjusted at once, and the map follows.
+
+use super::{Mission, Output};
+use crate::mapping::event::EventKind;
+use crate::mapping::map::Contact;
+use crate::mapping::network::{Adjusted, Given};
+
+impl Mission {
+    /// Adjusts all observations at once, and moves what was mapped, and the trajectory, to where they are
+    /// by that. Nothing moves where it cannot be done.
+    pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) {
+        let beams: Vec<f64> =
+            self.settings.chassis.sensors.iter().map(|mount| mount.angle).collect();
+        let adjusted = self.network.adjust(&Given {
+            path: self.tracker.path(),
+            map: &self.map,
+            beams: &beams,
+            stretch: self.tracker.stretched(),
+            resolution: self.tracker.resolution(),
+            grip: self.survey.grip(),
+            bias: self.tracker.bias(),
+            held: self.tracker.held(),
+        });
+        let Some(adjusted) = adjusted else { return };
+        self.follow(&adjusted);
+        let (moved, used) = (adjusted.moved(), adjusted.used);
+        self.tell(EventKind::AdjustedWhole { moved, used }, out);
+    }
+
+    /// Moves all that was mapped, and the trajectory, along.
+    fn follow(&mut self, adjusted: &Adjusted) {
+        let moved = |contacts: &[Contact]| -> Vec<Contact> {
+            contacts.iter().map(|contact| adjusted.contact(contact)).collect()
+        };
+        let now = moved(&self.map.contacts);
+        if let Some(shape) = &mut self.map.shape {
+            let before = &self.map.contacts;
+            shape.outline =
+                shape.outline.deformed(|p| adjusted.displacement(before, &now, p));
+        }
+        self.map.contacts = now;
+        for object in &mut self.map.objects {
+            let now = moved(&object.contacts);
+            let before = std::mem::replace(&mut object.contacts, now);
+            let now = &object.contacts;
+            object.outline = object.outline.deformed(|p| adjusted.displacement(&before, now, p));
+        }
+        for point in self.tracker.path_mut() {
+            point.pose = adjusted.pose(point.pose, point.time_us);
+        }
+        let here = adjusted.pose(self.tracker.pose(), self.tracker.time_us());
+        self.tracker.settle(here);
+        self.rest.pose = here;
+    }
+}

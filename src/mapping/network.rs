@@ -1,0 +1,267 @@
+//! The whole survey adjusted at once: everything the robot read on its way, put together by least squares.
+//!
+//! The filter (see [`super::survey`]) takes what is learnt as it comes, and has to: the robot drives by it.
+//! Looking back more can be said. Where a wall runs that was met first of all is known best by what was
+//! driven along it an hour later; how uneven the wheels are, which nobody knew on the first metres, says
+//! afterwards how far the robot had turned there. Surveyors measure first and adjust the network of all
+//! their observations when they are home; this is that adjustment (adjustment by observation equations:
+//! Ghilani, *Adjustment Computations*; in robotics full smoothing, Dellaert and Kaess 2006).
+//!
+//! Unknown are the pose at each rest, the robot's own errors, and the surfaces. Observed are, for each
+//! motion, the turn by the gyro and by the wheels and the way by the wheels; and for each contact, that it
+//! lies on its surface. What surface that is, is taken from the map. `record` keeps the observations,
+//! `surface` the unknown surfaces, `equation` writes the equations, `chain` solves them.
+//!
+//! It refuses to know what becomes of the map: it says where the robot was, and how a contact follows.
+
+mod chain;
+mod equation;
+mod record;
+mod surface;
+
+pub use record::{Glance, Reading, Rest};
+
+use super::map::{Contact, PathPoint, RoomMap};
+use crate::geometry::{Point, Pose, Vector, angle, rotate};
+use equation::{Robot, Unknowns};
+use std::collections::BTreeMap;
+use surface::Surfaces;
+
+/// Least squares are repeated so often: the equations are linear but for small turns.
+const ROUNDS: usize = 3;
+/// With fewer contacts on mapped surfaces nothing is adjusted.
+const FEWEST: usize = 20;
+/// Contacts that lie on their surfaces worse than this, in standard deviations (root mean square), are on
+/// other surfaces than was thought, and nothing of it is believed.
+const WORST_FIT: f64 = 2.0;
+/// Nor is a pose that moves by more than this, metres.
+const FARTHEST: f64 = 0.5;
+
+/// All that the robot read since it stood at `start`.
+#[derive(Debug, Clone)]
+pub struct Network {
+    start: Pose,
+    rests: Vec<Rest>,
+    glances: Vec<Glance>,
+    /// The robot was carried off, or did not know where it was: what it drove does not hang together.
+    broken: bool,
+}
+
+/// What is known besides the observations.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// Where the robot is believed to have been.
+    pub path: &'a [PathPoint],
+    /// What it mapped.
+    pub map: &'a RoomMap,
+    /// Bearings of the switches, radians from ahead.
+    pub beams: &'a [f64],
+    /// Real over believed travel of the wheels.
+    pub stretch: f64,
+    /// Turn of the wheels for one tick of one of them, radians.
+    pub resolution: f64,
+    /// Variance of the wheels' heading, square radians per metre, and that of the gyro's walk as a share
+    /// of what its datasheet says.
+    pub grip: (f64, f64),
+    /// What the gyro drifts, as believed, radians per second.
+    pub bias: f64,
+    /// For how many seconds the robot stood still, and what the gyro turned meanwhile, radians.
+    pub held: (f64, f64),
+}
+
+/// Where the robot was at one rest.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    time_us: u64,
+    before: Pose,
+    after: Pose,
+}
+
+/// The adjusted survey.
+#[derive(Debug, Clone)]
+pub struct Adjusted {
+    rests: Vec<Moved>,
+    /// Where the robot was at each contact, by its time and switch.
+    glances: BTreeMap<(u64, usize), Pose>,
+    beams: Vec<f64>,
+    /// Contacts that lie on mapped surfaces.
+    pub used: usize,
+    /// How well they do, in standard deviations, root mean square.
+    pub misfit: f64,
+}
+
+impl Network {
+    /// Nothing read yet by a robot at `start`.
+    #[must_use]
+    pub fn new(start: Pose) -> Self {
+        Self { start, rests: Vec::new(), glances: Vec::new(), broken: false }
+    }
+
+    /// What is read from here on does not hang together with what was read before.
+    pub fn break_off(&mut self) {
+        self.broken = true;
+    }
+
+    /// The robot came to rest, or stands there for the first time.
+    pub fn rest(&mut self, rest: Rest) {
+        if self.rests.last().is_none_or(|last| last.reading.time_us < rest.reading.time_us) {
+            self.rests.push(rest);
+        }
+    }
+
+    /// Whether it has read nothing yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rests.is_empty()
+    }
+
+    /// A switch saw something.
+    pub fn glance(&mut self, glance: Glance) {
+        self.glances.push(glance);
+    }
+
+    /// All of it adjusted; none where too little was seen, where the robot was carried, or where the
+    /// observations do not agree with each other.
+    #[must_use]
+    pub fn adjust(&self, given: &Given<'_>) -> Option<Adjusted> {
+        if self.broken || self.rests.len() < 3 {
+            return None;
+        }
+        let before = self.believed(given);
+        let robot = Robot::new(given, self.start);
+        let poses: Vec<Pose> = self
+            .glances
+            .iter()
+            .map(|glance| self.between(glance, &before))
+            .collect::<Option<_>>()?;
+        let mut surfaces = Surfaces::of(given, &self.glances, &poses);
+        let mut unknowns = Unknowns::new(&self.rests, &before, given.bias);
+        let mut fit = (0, f64::INFINITY);
+        for round in 0..ROUNDS {
+            let normal =
+                robot.equations(&self.rests, &self.glances, &unknowns, &surfaces, round == 0);
+            let (change, border) = normal.solve()?;
+            unknowns.take(&change, &border);
+            surfaces.take(&border.as_slice()[equation::OWN..]);
+            fit = robot.misfit(&self.rests, &self.glances, &unknowns, &surfaces);
+        }
+        let after = unknowns.poses;
+        let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
+        let farthest = before.iter().zip(&after).map(moved).fold(0.0, f64::max);
+        if fit.0 < FEWEST || fit.1 > WORST_FIT || farthest > FARTHEST || !farthest.is_finite() {
+            return None;
+        }
+        let mut glances = BTreeMap::new();
+        for glance in &self.glances {
+            let pose = self.between(glance, &after)?;
+            glances.insert((glance.reading.time_us, glance.sensor), pose);
+        }
+        let rests = self.rests.iter().zip(before.iter().zip(&after));
+        let rests = rests
+            .map(|(rest, (before, after))| Moved {
+                time_us: rest.reading.time_us,
+                before: *before,
+                after: *after,
+            })
+            .collect();
+        let (used, misfit) = fit;
+        Some(Adjusted { rests, glances, beams: given.beams.to_vec(), used, misfit })
+    }
+
+    /// Where the robot is believed to have been at each rest: on the trajectory, with the heading of the
+    /// last straight drive and what the gyro turned since.
+    fn believed(&self, given: &Given<'_>) -> Vec<Pose> {
+        let mut poses: Vec<Pose> = Vec::with_capacity(self.rests.len());
+        for (k, rest) in self.rests.iter().enumerate() {
+            let Some(before) = k.checked_sub(1).map(|j| self.rests[j]) else {
+                poses.push(self.start);
+                continue;
+            };
+            let until = |time_us: u64| given.path.partition_point(|p| p.time_us <= time_us);
+            let (from, to) = (until(before.reading.time_us), until(rest.reading.time_us));
+            let last = poses[k - 1];
+            let place = to.checked_sub(1).map_or(last, |j| given.path[j].pose);
+            let motion = rest.reading.since(&before.reading);
+            let heading = if from < to && motion.is_straight() {
+                place.heading
+            } else {
+                last.heading + motion.turned - given.bias * motion.active
+            };
+            poses.push(Pose { position: place.position, heading });
+        }
+        poses
+    }
+
+    /// Where the robot was at `glance` if it was at `poses` when it rested.
+    fn between(&self, glance: &Glance, poses: &[Pose]) -> Option<Pose> {
+        let share = glance.share(&self.rests)?;
+        Some(share.pose(&poses[share.from], &poses[share.from + 1]))
+    }
+}
+
+impl Adjusted {
+    /// By how much the robot was elsewhere at `time_us` than was believed: where it was believed to be
+    /// then, displacement and turn.
+    fn correction(&self, time_us: u64) -> (Vector, f64) {
+        let of = |at: &Moved| {
+            let turn = angle::wrap(at.after.heading - at.before.heading);
+            (at.after.position - at.before.position, turn)
+        };
+        let after = self.rests.partition_point(|at| at.time_us <= time_us);
+        let (first, second) = (after.saturating_sub(1), after.min(self.rests.len() - 1));
+        let (a, b) = (&self.rests[first], &self.rests[second]);
+        let span = b.time_us.saturating_sub(a.time_us) as f64;
+        let share = if span > 0.0 {
+            (time_us.saturating_sub(a.time_us) as f64 / span).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let ((by, turn), (other, turned)) = (of(a), of(b));
+        (by + (other - by) * share, turn + (turned - turn) * share)
+    }
+
+    /// Where a place of the trajectory is, that was believed to be `pose` at `time_us`.
+    #[must_use]
+    pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
+        let (by, turn) = self.correction(time_us);
+        Pose { position: pose.position + by, heading: angle::wrap(pose.heading + turn) }
+    }
+
+    /// Where a contact is, as it was seen from where the robot was.
+    #[must_use]
+    pub fn contact(&self, contact: &Contact) -> Contact {
+        let time_us = contact.time_us();
+        let arm = contact.point - contact.from;
+        let seen = contact.sensor.and_then(|sensor| {
+            Some((self.glances.get(&(time_us, sensor))?, self.beams.get(sensor)?))
+        });
+        if let Some((pose, beam)) = seen {
+            let towards = angle::unit(pose.heading + beam);
+            let point = pose.position + towards * arm.norm();
+            return Contact { point, from: pose.position, ..*contact };
+        }
+        let (by, turn) = self.correction(time_us);
+        let from = contact.from + by;
+        Contact { point: from + rotate(arm, turn), from, ..*contact }
+    }
+
+    /// How far a place on a ring of `contacts` moves, which are where they are `now`: as the nearest of
+    /// them does.
+    #[must_use]
+    pub fn displacement(&self, contacts: &[Contact], now: &[Contact], place: Point) -> Vector {
+        let off = |pair: &(&Contact, &Contact)| (pair.0.point - place).norm_squared();
+        let nearest = contacts.iter().zip(now).min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.map_or_else(Vector::zeros, |(before, after)| {
+            let (old, new) = (before.point - before.from, after.point - after.from);
+            let turn = angle::wrap(angle::of(new) - angle::of(old));
+            after.point - place + rotate(place - before.point, turn)
+        })
+    }
+
+    /// How far the robot was from where it was believed to be, root mean square over its rests, metres.
+    #[must_use]
+    pub fn moved(&self) -> f64 {
+        let of = |at: &Moved| (at.after.position - at.before.position).norm_squared();
+        (self.rests.iter().map(of).sum::<f64>() / self.rests.len() as f64).sqrt()
+    }
+}

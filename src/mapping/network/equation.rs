@@ -1,0 +1,255 @@
+//! The observation equations: what each reading says of the unknowns, and how surely.
+
+use super::Given;
+use super::chain::{Equation, Normal, STATE};
+use super::record::{Glance, Motion, Rest};
+use super::surface::{Surfaces, UNKNOWNS};
+use crate::geometry::{Pose, Vector, angle, perp};
+use crate::mapping::survey::{ALONG, ASIDE, HEADING_WALK, SCALE_SD, STRIDE_SHARE, TRACK_SD, TURN_SHARE};
+use nalgebra::{DVector, SVector};
+
+/// Unknowns of the robot itself: the gyro's drift (radians per second) and the share by which it turns too
+/// far, what the wheels turn where it goes straight (radians per metre), and the share by which they do
+/// in a turn.
+pub(super) const OWN: usize = 4;
+const BIAS: usize = 0;
+const SCALE: usize = 1;
+const WHEELS: usize = 2;
+const TRACK: usize = 3;
+
+/// Before anything is read: a worn gyro drifts by 60 degrees an hour.
+const BIAS_SD: f64 = 3.0e-4;
+/// Wheels 5 % apart.
+const WHEELS_SD: f64 = 0.3;
+/// How surely the start is known, metres and radians: it is where the map begins.
+const START_SD: f64 = 1e-6;
+/// A turn on the spot may move the robot by this, metres, ...
+const ON_THE_SPOT: f64 = 3e-4;
+/// ... something that it runs into by this, metres and radians.
+const HELD_UP: (f64, f64) = (0.01, 0.01);
+/// No reading of gyro or wheels is better than this, radians.
+const FINEST: f64 = 2e-5;
+/// A surface may lie anywhere, metres and radians: what is not touched must not make the equations
+/// unsolvable.
+const SURFACE_SD: f64 = 0.5;
+/// A contact that is off its surface by more than this counts for less, in standard deviations (Huber),
+/// and by more than this not at all.
+const DOUBTED: f64 = 2.0;
+const REFUSED: f64 = 5.0;
+
+type State = SVector<f64, STATE>;
+
+/// What is to be found.
+pub(super) struct Unknowns {
+    pub(super) poses: Vec<Pose>,
+    /// What the wheels turned until each rest, without the rounding to ticks, radians.
+    wheels: Vec<f64>,
+    own: [f64; OWN],
+}
+
+impl Unknowns {
+    /// The unknowns as they are believed: at `poses` when the robot rested.
+    pub(super) fn new(rests: &[Rest], poses: &[Pose], bias: f64) -> Self {
+        let wheels = rests.iter().map(|rest| rest.reading.against).collect();
+        Self { poses: poses.to_vec(), wheels, own: [bias, 0.0, 0.0, 0.0] }
+    }
+
+    pub(super) fn take(&mut self, change: &[State], border: &DVector<f64>) {
+        for ((pose, wheels), by) in self.poses.iter_mut().zip(&mut self.wheels).zip(change) {
+            pose.position += Vector::new(by[0], by[1]);
+            pose.heading += by[2];
+            *wheels += by[3];
+        }
+        for (own, by) in self.own.iter_mut().zip(border.iter()) {
+            *own += by;
+        }
+    }
+}
+
+/// How surely the readings of this robot are to be taken.
+pub(super) struct Robot {
+    start: Pose,
+    stretch: f64,
+    /// Variance of the wheels' turn by rounding to ticks, square radians.
+    rounding: f64,
+    wander: f64,
+    walk: f64,
+    /// The drift that a robot at rest has seen, and its variance.
+    rested: Option<(f64, f64)>,
+}
+
+impl Robot {
+    pub(super) fn new(given: &Given<'_>, start: Pose) -> Self {
+        let (wander, share) = given.grip;
+        let walk = HEADING_WALK * HEADING_WALK * share;
+        let (seconds, crept) = given.held;
+        Self {
+            start,
+            stretch: given.stretch,
+            rounding: given.resolution * given.resolution / 6.0,
+            wander,
+            walk,
+            rested: (seconds > 1.0).then(|| (crept / seconds, walk / seconds)),
+        }
+    }
+
+    /// The normal equations about `at`. In the first round, when `rough`, no contact is refused.
+    pub(super) fn equations(
+        &self,
+        rests: &[Rest],
+        glances: &[Glance],
+        at: &Unknowns,
+        surfaces: &Surfaces,
+        rough: bool,
+    ) -> Normal {
+        let mut normal = Normal::new(rests.len(), OWN + UNKNOWNS * surfaces.all.len());
+        self.priors(at, surfaces, &mut normal);
+        for (k, pair) in rests.windows(2).enumerate() {
+            let motion = pair[1].reading.since(&pair[0].reading);
+            self.turned(k, &motion, at, &mut normal);
+            self.went(k, &motion, pair[1].held_up, at, &mut normal);
+            let read = Equation::of(at.wheels[k + 1] - pair[1].reading.against, self.rounding);
+            normal.add(&read.node(k + 1, State::new(0.0, 0.0, 0.0, 1.0)));
+        }
+        for (glance, surface) in glances.iter().zip(&surfaces.of) {
+            let Some(surface) = *surface else { continue };
+            if let Some(seen) = Self::seen(glance, surface, rests, at, surfaces, rough) {
+                normal.add(&seen);
+            }
+        }
+        normal
+    }
+
+    fn priors(&self, at: &Unknowns, surfaces: &Surfaces, normal: &mut Normal) {
+        let (here, variance) = (at.poses[0], START_SD * START_SD);
+        let off = here.position - self.start.position;
+        let turn = angle::wrap(here.heading - self.start.heading);
+        for (row, off) in [off.x, off.y, turn].into_iter().enumerate() {
+            let mut unit = State::zeros();
+            unit[row] = 1.0;
+            normal.add(&Equation::of(off, variance).node(0, unit));
+        }
+        let wheels = State::new(0.0, 0.0, 0.0, 1.0);
+        normal.add(&Equation::of(0.0, self.rounding).node(0, wheels));
+        let own = [(BIAS, BIAS_SD), (SCALE, SCALE_SD), (WHEELS, WHEELS_SD), (TRACK, TRACK_SD)];
+        for (row, sd) in own {
+            normal.add(&Equation::of(at.own[row], sd * sd).border(row, 1.0));
+        }
+        if let Some((drift, variance)) = self.rested {
+            normal.add(&Equation::of(at.own[BIAS] - drift, variance).border(BIAS, 1.0));
+        }
+        for row in OWN..OWN + UNKNOWNS * surfaces.all.len() {
+            normal.add(&Equation::of(0.0, SURFACE_SD * SURFACE_SD).border(row, 1.0));
+        }
+    }
+
+    /// What gyro and wheels say of a turn.
+    fn turned(&self, k: usize, motion: &Motion, at: &Unknowns, normal: &mut Normal) {
+        let [bias, scale, wheels, track] = at.own;
+        let real = motion.turned
+            + angle::wrap(at.poses[k + 1].heading - at.poses[k].heading - motion.turned);
+        let ahead = motion.ahead * self.stretch;
+        let heading = State::new(0.0, 0.0, 1.0, 0.0);
+        // By the gyro: real = told - drift - scale.
+        let off = real * (1.0 + scale) + bias * motion.active - motion.turned;
+        let variance = self.walk * motion.active + FINEST * FINEST;
+        normal.add(
+            &Equation::of(off, variance)
+                .node(k, heading * -(1.0 + scale))
+                .node(k + 1, heading * (1.0 + scale))
+                .border(BIAS, motion.active)
+                .border(SCALE, real),
+        );
+        // By the wheels.
+        let off = at.wheels[k + 1] - at.wheels[k] - real * (1.0 + track) - wheels * ahead;
+        let scrub = TURN_SHARE * real;
+        let variance = self.wander * ahead.abs() + scrub * scrub + FINEST * FINEST;
+        let turn = State::new(0.0, 0.0, 1.0 + track, -1.0);
+        normal.add(
+            &Equation::of(off, variance)
+                .node(k, turn)
+                .node(k + 1, -turn)
+                .border(WHEELS, -ahead)
+                .border(TRACK, -real),
+        );
+    }
+
+    /// What the wheels say of the way.
+    fn went(&self, k: usize, motion: &Motion, held_up: bool, at: &Unknowns, normal: &mut Normal) {
+        let (a, b) = (&at.poses[k], &at.poses[k + 1]);
+        let ahead = motion.ahead * self.stretch;
+        let turn = motion.turned + angle::wrap(b.heading - a.heading - motion.turned);
+        let along = angle::unit(a.heading + turn / 2.0);
+        let (across, moved) = (perp(along), b.position - a.position);
+        let least = ON_THE_SPOT * ON_THE_SPOT;
+        let bumped = if held_up { HELD_UP.0 * HELD_UP.0 } else { 0.0 };
+        let length = ahead.abs();
+        let stride = STRIDE_SHARE * ahead;
+        for (axis, off, share) in [
+            (along, along.dot(&moved) - ahead, stride * stride + ALONG * ALONG * length),
+            (across, across.dot(&moved), ASIDE * ASIDE * length),
+        ] {
+            // The way turns with the heading in its middle.
+            let lever = perp(axis).dot(&moved) / 2.0;
+            let of = |sign: f64| State::new(sign * axis.x, sign * axis.y, lever, 0.0);
+            let equation = Equation::of(off, share + least + bumped);
+            normal.add(&equation.node(k, of(-1.0)).node(k + 1, of(1.0)));
+        }
+    }
+
+    /// What a contact says; nothing when it cannot be of that surface.
+    fn seen(
+        glance: &Glance,
+        surface: usize,
+        rests: &[Rest],
+        at: &Unknowns,
+        surfaces: &Surfaces,
+        rough: bool,
+    ) -> Option<Equation> {
+        let share = glance.share(rests)?;
+        let (from, to) = (share.from, share.from + 1);
+        let pose = share.pose(&at.poses[from], &at.poses[to]);
+        let arm = pose.rotate(glance.arm);
+        let (off, across, follows) = surfaces.all[surface].off(pose.position + arm);
+        let sd = surfaces.sd[surface];
+        let doubt = off.abs() / sd;
+        if !rough && doubt > REFUSED {
+            return None;
+        }
+        let lever = across.dot(&perp(arm));
+        let of = |way: f64, time: f64| {
+            State::new(way * across.x, way * across.y, time * lever, 0.0)
+        };
+        let variance = sd * sd * (doubt / DOUBTED).max(1.0);
+        let mut equation = Equation::of(off, variance)
+            .node(from, of(1.0 - share.way, 1.0 - share.time))
+            .node(to, of(share.way, share.time));
+        for (k, by) in follows.into_iter().enumerate() {
+            equation = equation.border(OWN + UNKNOWNS * surface + k, -by);
+        }
+        Some(equation)
+    }
+
+    /// How many contacts lie on their surfaces, and how well, in standard deviations, root mean square.
+    pub(super) fn misfit(
+        &self,
+        rests: &[Rest],
+        glances: &[Glance],
+        at: &Unknowns,
+        surfaces: &Surfaces,
+    ) -> (usize, f64) {
+        let (mut count, mut sum) = (0, 0.0);
+        for (glance, surface) in glances.iter().zip(&surfaces.of) {
+            let Some(surface) = *surface else { continue };
+            let Some(share) = glance.share(rests) else { continue };
+            let pose = share.pose(&at.poses[share.from], &at.poses[share.from + 1]);
+            let point = pose.position + pose.rotate(glance.arm);
+            let doubt = surfaces.all[surface].off(point).0 / surfaces.sd[surface];
+            if doubt.abs() < REFUSED {
+                count += 1;
+                sum += doubt * doubt;
+            }
+        }
+        (count, (sum / f64::from(count.max(1) as u32)).sqrt())
+    }
+}

@@ -9,6 +9,9 @@ use nalgebra::SVector;
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
 pub const HEADING_WALK: f64 = 8.727e-4;
 
+/// Where the wheels err by no more than this in turns (radians), they tell of the floor and of the gyro.
+const UNTURNED: f64 = 3.0e-4;
+
 /// What a straight drive is off by, as a share of it, each by itself: how the floor takes the wheels.
 pub const STRIDE_SHARE: f64 = 0.005;
 /// What the wheels lose on the way besides, by slips, metres per root metre.
@@ -89,12 +92,12 @@ impl Survey {
         self.covariance[(AGAINST, AGAINST)] += load.scrub();
         let spread = self.spread(&row) + rounding;
         let wander = self.grip.wander() * load.length;
-        self.grip.learn(
-            load.length,
-            innovation,
-            spread,
-            HEADING_WALK * HEADING_WALK * load.seconds,
-        );
+        // In turns it is the turns that wheels and gyro differ by, and what that should come to is known
+        // too little to tell anything of the floor or of the gyro.
+        if load.scrub() < UNTURNED * UNTURNED {
+            let walk = HEADING_WALK * HEADING_WALK * load.seconds;
+            self.grip.learn(load.length, innovation, spread, walk);
+        }
         let square = innovation * innovation;
         // A slip says nothing of the heading; what comes after it does again.
         let slip = if square < GATE * GATE * (spread + wander) { 0.0 } else { square };

@@ -307,6 +307,9 @@ mod tests {
             whole += &row * row.transpose() / variance;
             right -= &row * (off / variance);
         };
+        for column in 0..border {
+            add(&[], &[column], &mut normal);
+        }
         for node in 0..states {
             for _ in 0..STATE + 1 {
                 add(&[node], &[node % border, (node * 7 + 3) % border], &mut normal);

@@ -135,14 +135,14 @@ impl Network {
             .map(|glance| self.between(glance, &before))
             .collect::<Option<_>>()?;
         let mut surfaces = Surfaces::of(given, &self.glances, &poses);
-        let mut unknowns = Unknowns::new(&self.rests, &before, given.bias);
+        let mut unknowns = Unknowns::new(&self.rests, &before, given.bias, given.beams.len());
         let mut fit = (0, f64::INFINITY);
         for round in 0..ROUNDS {
             let normal =
                 robot.equations(&self.rests, &self.glances, &unknowns, &surfaces, round == 0);
             let (change, border) = normal.solve()?;
             unknowns.take(&change, &border);
-            surfaces.take(&border.as_slice()[equation::OWN..]);
+            surfaces.take(&border.as_slice()[robot.surfaces()..]);
             fit = robot.misfit(&self.rests, &self.glances, &unknowns, &surfaces);
         }
         let after = unknowns.poses;
@@ -227,7 +227,8 @@ impl Adjusted {
         Pose { position: pose.position + by, heading: angle::wrap(pose.heading + turn) }
     }
 
-    /// Where a contact is, as it was seen from where the robot was.
+    /// Where a contact is, as it was seen from where the robot was. What its switch may reach too far is left
+    /// in it: on a wall that one switch has seen nothing tells that from the place of the wall.
     #[must_use]
     pub fn contact(&self, contact: &Contact) -> Contact {
         let time_us = contact.time_us();

@@ -35,8 +35,7 @@ impl Mission {
         let now = moved(&self.map.contacts);
         if let Some(shape) = &mut self.map.shape {
             let before = &self.map.contacts;
-            shape.outline =
-                shape.outline.deformed(|p| adjusted.displacement(before, &now, p));
+            shape.outline = shape.outline.deformed(|p| adjusted.displacement(before, &now, p));
         }
         self.map.contacts = now;
         for object in &mut self.map.objects {

@@ -14,7 +14,7 @@ pub(super) const STATE: usize = 4;
 /// States from one cut to the next.
 const PIECE: usize = 48;
 /// Unknowns of the border that one equation speaks of, at most.
-const MOST: usize = 4;
+const MOST: usize = 5;
 
 type State = SVector<f64, STATE>;
 type Block = SMatrix<f64, STATE, STATE>;
@@ -121,7 +121,9 @@ impl Normal {
         let count = self.nodes.len();
         let cuts: Vec<usize> = (0..count)
             .step_by(PIECE)
-            .chain((count > 0 && !(count - 1).is_multiple_of(PIECE)).then_some(count.wrapping_sub(1)))
+            .chain(
+                (count > 0 && !(count - 1).is_multiple_of(PIECE)).then_some(count.wrapping_sub(1)),
+            )
             .collect();
         let shift = STATE * cuts.len();
         let size = shift + self.right.len();
@@ -240,7 +242,17 @@ impl Piece {
             gone.push(Gone { next: next_gone, outside: outside_gone, right: right_gone });
         }
         let last_row = row + STATE;
-        Some(Self { first: from + 1, rows, gone, left, left_right, own, across: with, right, last_row })
+        Some(Self {
+            first: from + 1,
+            rows,
+            gone,
+            left,
+            left_right,
+            own,
+            across: with,
+            right,
+            last_row,
+        })
     }
 
     /// Adds what is left to the `whole`: lower triangle, where the border comes after all cuts.
@@ -266,7 +278,8 @@ impl Piece {
 
     /// The states inside, once the outside is known.
     fn follow(&self, solution: &DVector<f64>, states: &mut [State]) {
-        let outside = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&r| solution[r]));
+        let outside =
+            DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&r| solution[r]));
         for (k, gone) in self.gone.iter().enumerate().rev() {
             let index = self.first + k;
             let by: State = SVector::from_iterator((&gone.outside * &outside).iter().copied());

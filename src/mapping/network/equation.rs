@@ -5,7 +5,9 @@ use super::chain::{Equation, Normal, STATE};
 use super::record::{Glance, Motion, Rest};
 use super::surface::{Surfaces, UNKNOWNS};
 use crate::geometry::{Pose, Vector, angle, perp};
-use crate::mapping::survey::{ALONG, ASIDE, HEADING_WALK, SCALE_SD, STRIDE_SHARE, TRACK_SD, TURN_SHARE};
+use crate::mapping::survey::{
+    ALONG, ASIDE, HEADING_WALK, SCALE_SD, STRIDE_SHARE, TRACK_SD, TURN_SHARE,
+};
 use nalgebra::{DVector, SVector};
 
 /// Unknowns of the robot itself: the gyro's drift (radians per second) and the share by which it turns too
@@ -21,6 +23,9 @@ const TRACK: usize = 3;
 const BIAS_SD: f64 = 3.0e-4;
 /// Wheels 5 % apart.
 const WHEELS_SD: f64 = 0.3;
+/// What a switch may reach farther or less far than it should, metres: worn ones are off by a tenth. What all
+/// of them are off by together no room tells, and stays at nothing.
+const REACH_SD: f64 = 0.004;
 /// How surely the start is known, metres and radians: it is where the map begins.
 const START_SD: f64 = 1e-6;
 /// A turn on the spot may move the robot by this, metres, ...
@@ -45,13 +50,20 @@ pub(super) struct Unknowns {
     /// What the wheels turned until each rest, without the rounding to ticks, radians.
     wheels: Vec<f64>,
     own: [f64; OWN],
+    /// By how much each switch reaches farther than it should, metres.
+    reach: Vec<f64>,
 }
 
 impl Unknowns {
     /// The unknowns as they are believed: at `poses` when the robot rested.
-    pub(super) fn new(rests: &[Rest], poses: &[Pose], bias: f64) -> Self {
+    pub(super) fn new(rests: &[Rest], poses: &[Pose], bias: f64, switches: usize) -> Self {
         let wheels = rests.iter().map(|rest| rest.reading.against).collect();
-        Self { poses: poses.to_vec(), wheels, own: [bias, 0.0, 0.0, 0.0] }
+        Self {
+            poses: poses.to_vec(),
+            wheels,
+            own: [bias, 0.0, 0.0, 0.0],
+            reach: vec![0.0; switches],
+        }
     }
 
     pub(super) fn take(&mut self, change: &[State], border: &DVector<f64>) {
@@ -60,7 +72,7 @@ impl Unknowns {
             pose.heading += by[2];
             *wheels += by[3];
         }
-        for (own, by) in self.own.iter_mut().zip(border.iter()) {
+        for (own, by) in self.own.iter_mut().chain(&mut self.reach).zip(border.iter()) {
             *own += by;
         }
     }
@@ -69,6 +81,7 @@ impl Unknowns {
 /// How surely the readings of this robot are to be taken.
 pub(super) struct Robot {
     start: Pose,
+    switches: usize,
     stretch: f64,
     /// Variance of the wheels' turn by rounding to ticks, square radians.
     rounding: f64,
@@ -85,12 +98,18 @@ impl Robot {
         let (seconds, crept) = given.held;
         Self {
             start,
+            switches: given.beams.len(),
             stretch: given.stretch,
             rounding: given.resolution * given.resolution / 6.0,
             wander,
             walk,
             rested: (seconds > 1.0).then(|| (crept / seconds, walk / seconds)),
         }
+    }
+
+    /// Where the unknowns of the surfaces begin in the border: after the robot's own and its switches'.
+    pub(super) fn surfaces(&self) -> usize {
+        OWN + self.switches
     }
 
     /// The normal equations about `at`. In the first round, when `rough`, no contact is refused.
@@ -102,7 +121,7 @@ impl Robot {
         surfaces: &Surfaces,
         rough: bool,
     ) -> Normal {
-        let mut normal = Normal::new(rests.len(), OWN + UNKNOWNS * surfaces.all.len());
+        let mut normal = Normal::new(rests.len(), self.surfaces() + UNKNOWNS * surfaces.all.len());
         self.priors(at, surfaces, &mut normal);
         for (k, pair) in rests.windows(2).enumerate() {
             let motion = pair[1].reading.since(&pair[0].reading);
@@ -113,7 +132,7 @@ impl Robot {
         }
         for (glance, surface) in glances.iter().zip(&surfaces.of) {
             let Some(surface) = *surface else { continue };
-            if let Some(seen) = Self::seen(glance, surface, rests, at, surfaces, rough) {
+            if let Some(seen) = self.seen(glance, surface, rests, at, surfaces, rough) {
                 normal.add(&seen);
             }
         }
@@ -135,10 +154,13 @@ impl Robot {
         for (row, sd) in own {
             normal.add(&Equation::of(at.own[row], sd * sd).border(row, 1.0));
         }
+        for (switch, reach) in at.reach.iter().enumerate() {
+            normal.add(&Equation::of(*reach, REACH_SD * REACH_SD).border(OWN + switch, 1.0));
+        }
         if let Some((drift, variance)) = self.rested {
             normal.add(&Equation::of(at.own[BIAS] - drift, variance).border(BIAS, 1.0));
         }
-        for row in OWN..OWN + UNKNOWNS * surfaces.all.len() {
+        for row in self.surfaces()..self.surfaces() + UNKNOWNS * surfaces.all.len() {
             normal.add(&Equation::of(0.0, SURFACE_SD * SURFACE_SD).border(row, 1.0));
         }
     }
@@ -199,6 +221,7 @@ impl Robot {
 
     /// What a contact says; nothing when it cannot be of that surface.
     fn seen(
+        &self,
         glance: &Glance,
         surface: usize,
         rests: &[Rest],
@@ -209,7 +232,8 @@ impl Robot {
         let share = glance.share(rests)?;
         let (from, to) = (share.from, share.from + 1);
         let pose = share.pose(&at.poses[from], &at.poses[to]);
-        let arm = pose.rotate(glance.arm);
+        let towards = pose.rotate(glance.towards());
+        let arm = pose.rotate(glance.arm) + towards * at.reach[glance.sensor];
         let (off, across, follows) = surfaces.all[surface].off(pose.position + arm);
         let sd = surfaces.sd[surface];
         let doubt = off.abs() / sd;
@@ -217,15 +241,15 @@ impl Robot {
             return None;
         }
         let lever = across.dot(&perp(arm));
-        let of = |way: f64, time: f64| {
-            State::new(way * across.x, way * across.y, time * lever, 0.0)
-        };
+        let of =
+            |way: f64, time: f64| State::new(way * across.x, way * across.y, time * lever, 0.0);
         let variance = sd * sd * (doubt / DOUBTED).max(1.0);
         let mut equation = Equation::of(off, variance)
             .node(from, of(1.0 - share.way, 1.0 - share.time))
-            .node(to, of(share.way, share.time));
+            .node(to, of(share.way, share.time))
+            .border(OWN + glance.sensor, across.dot(&towards));
         for (k, by) in follows.into_iter().enumerate() {
-            equation = equation.border(OWN + UNKNOWNS * surface + k, -by);
+            equation = equation.border(self.surfaces() + UNKNOWNS * surface + k, -by);
         }
         Some(equation)
     }
@@ -243,7 +267,8 @@ impl Robot {
             let Some(surface) = *surface else { continue };
             let Some(share) = glance.share(rests) else { continue };
             let pose = share.pose(&at.poses[share.from], &at.poses[share.from + 1]);
-            let point = pose.position + pose.rotate(glance.arm);
+            let arm = glance.arm + glance.towards() * at.reach[glance.sensor];
+            let point = pose.position + pose.rotate(arm);
             let doubt = surfaces.all[surface].off(point).0 / surfaces.sd[surface];
             if doubt.abs() < REFUSED {
                 count += 1;

@@ -84,6 +84,11 @@ pub(super) struct Share {
 }
 
 impl Glance {
+    /// Unit vector along the beam, in the robot's frame.
+    pub(super) fn towards(&self) -> Vector {
+        self.arm.try_normalize(1e-9).unwrap_or_else(Vector::zeros)
+    }
+
     /// Between which of `rests` it was; none where the robot had not come to rest since.
     pub(super) fn share(&self, rests: &[Rest]) -> Option<Share> {
         let after = rests.partition_point(|rest| rest.reading.time_us < self.reading.time_us);

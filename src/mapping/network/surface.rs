@@ -22,8 +22,14 @@ const MOST_SD: f64 = 0.03;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Surface {
     /// Through `at`, with its normal in the direction `normal` (radians).
-    Straight { at: Point, normal: f64 },
-    Round { center: Point, radius: f64 },
+    Straight {
+        at: Point,
+        normal: f64,
+    },
+    Round {
+        center: Point,
+        radius: f64,
+    },
 }
 
 /// Unknowns of a surface: turn and way along its normal, or centre and radius.
@@ -97,14 +103,14 @@ impl Surfaces {
             if !glance.sure {
                 continue;
             }
-            let seen = Seen {
-                at: pose.position + pose.rotate(glance.arm),
-                from: pose.position,
-            };
-            let seen = mapped.get(&(glance.reading.time_us, glance.sensor)).copied().unwrap_or(seen);
-            let found = rings.iter().zip(&bounds).enumerate().filter(|(_, (_, bounds))| {
-                bounds.is_some_and(|bounds| seen.is_near(bounds))
-            });
+            let seen = Seen { at: pose.position + pose.rotate(glance.arm), from: pose.position };
+            let seen =
+                mapped.get(&(glance.reading.time_us, glance.sensor)).copied().unwrap_or(seen);
+            let found = rings
+                .iter()
+                .zip(&bounds)
+                .enumerate()
+                .filter(|(_, (_, bounds))| bounds.is_some_and(|bounds| seen.is_near(bounds)));
             let found = found
                 .filter_map(|(index, ((ring, floor), _))| Some((index, seen.on(ring, *floor)?)))
                 .min_by(|a, b| a.1.1.total_cmp(&b.1.1));
@@ -112,8 +118,7 @@ impl Surfaces {
                 of_piece.entry((ring, piece)).or_default().push(k);
             }
         }
-        let mut surfaces =
-            Self { all: Vec::new(), sd: Vec::new(), of: vec![None; glances.len()] };
+        let mut surfaces = Self { all: Vec::new(), sd: Vec::new(), of: vec![None; glances.len()] };
         for ((ring, piece), seen) in of_piece {
             if seen.len() < FEWEST {
                 continue;
@@ -153,9 +158,8 @@ impl Seen {
     /// (-1) to the right.
     fn on(&self, ring: &Ring, floor: f64) -> Option<(usize, f64)> {
         let towards = (self.from - self.at).try_normalize(1e-9)?;
-        let faces = |piece: &Piece, t: f64| {
-            floor * perp(piece.tangent(t)).dot(&towards) > LEAST_INCIDENCE
-        };
+        let faces =
+            |piece: &Piece, t: f64| floor * perp(piece.tangent(t)).dot(&towards) > LEAST_INCIDENCE;
         let foot = ring.nearest_where(self.at, faces)?;
         let from_corner = foot.t.min(1.0 - foot.t) * ring.pieces[foot.piece].length();
         let round = matches!(ring.pieces[foot.piece], Piece::Arc { .. });
@@ -170,9 +174,7 @@ fn mapped_contacts(given: &Given<'_>) -> BTreeMap<(u64, usize), Seen> {
     let all = given.map.contacts.iter().chain(objects);
     let key = |contact: &Contact| Some((contact.time_us(), contact.sensor?));
     all.filter(|contact| contact.kind == ContactKind::Range)
-        .filter_map(|contact| {
-            Some((key(contact)?, Seen { at: contact.point, from: contact.from }))
-        })
+        .filter_map(|contact| Some((key(contact)?, Seen { at: contact.point, from: contact.from })))
         .collect()
 }
 
@@ -184,8 +186,9 @@ fn scatter(
     mapped: &BTreeMap<(u64, usize), Seen>,
 ) -> f64 {
     let of = |k: &usize| mapped.get(&(glances[*k].reading.time_us, glances[*k].sensor));
-    let (sum, count) = seen.iter().filter_map(of).fold((0.0, 0.0), |(sum, count), seen| {
-        (sum + surface.off(seen.at).0.powi(2), count + 1.0)
-    });
+    let (sum, count) = seen
+        .iter()
+        .filter_map(of)
+        .fold((0.0, 0.0), |(sum, count), seen| (sum + surface.off(seen.at).0.powi(2), count + 1.0));
     if count > 2.0 { f64::sqrt(sum / count) } else { MOST_SD / 3.0 }
 }

@@ -92,11 +92,10 @@ impl Survey {
         self.covariance[(AGAINST, AGAINST)] += load.scrub();
         let spread = self.spread(&row) + rounding;
         let wander = self.grip.wander() * load.length;
-        // In turns it is the turns that wheels and gyro differ by, and what that should come to is known
-        // too little to tell anything of the floor or of the gyro.
+        let walk = HEADING_WALK * HEADING_WALK * load.seconds;
+        self.grip.learn(load.length, innovation, spread, walk);
         if load.scrub() < UNTURNED * UNTURNED {
-            let walk = HEADING_WALK * HEADING_WALK * load.seconds;
-            self.grip.learn(load.length, innovation, spread, walk);
+            self.straight.learn(load.length, innovation, spread, walk);
         }
         let square = innovation * innovation;
         // A slip says nothing of the heading; what comes after it does again.

@@ -86,8 +86,6 @@ pub struct Adjusted {
     beams: Vec<f64>,
     /// Contacts that lie on mapped surfaces.
     pub used: usize,
-    /// How well they do, in standard deviations, root mean square.
-    pub misfit: f64,
 }
 
 impl Network {
@@ -127,45 +125,44 @@ impl Network {
         if self.broken || self.rests.len() < 3 {
             return None;
         }
+        let rests = self.rests.as_slice();
         let before = self.believed(given);
+        // What was seen on a motion that has not ended hangs on nothing yet.
+        let placed = |glance: &Glance| Some((*glance, glance.share(rests)?.among(&before)));
+        let (glances, poses): (Vec<Glance>, Vec<Pose>) =
+            self.glances.iter().filter_map(placed).unzip();
         let robot = Robot::new(given, self.start);
-        let poses: Vec<Pose> = self
-            .glances
-            .iter()
-            .map(|glance| self.between(glance, &before))
-            .collect::<Option<_>>()?;
-        let mut surfaces = Surfaces::of(given, &self.glances, &poses);
-        let mut unknowns = Unknowns::new(&self.rests, &before, given.bias, given.beams.len());
-        let mut fit = (0, f64::INFINITY);
+        let mut surfaces = Surfaces::of(given, &glances, &poses);
+        let mut unknowns = Unknowns::new(rests, &before, given.bias, given.beams.len());
         for round in 0..ROUNDS {
-            let normal =
-                robot.equations(&self.rests, &self.glances, &unknowns, &surfaces, round == 0);
-            let (change, border) = normal.solve()?;
+            let rough = round == 0;
+            let (change, border) =
+                robot.equations(rests, &glances, &unknowns, &surfaces, rough).solve()?;
             unknowns.take(&change, &border);
             surfaces.take(&border.as_slice()[robot.surfaces()..]);
-            fit = robot.misfit(&self.rests, &self.glances, &unknowns, &surfaces);
         }
+        let (used, misfit) = unknowns.misfit(rests, &glances, &surfaces);
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
-        let farthest = before.iter().zip(&after).map(moved).fold(0.0, f64::max);
-        if fit.0 < FEWEST || fit.1 > WORST_FIT || farthest > FARTHEST || !farthest.is_finite() {
+        let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
+        if used < FEWEST || misfit > WORST_FIT || !sane {
             return None;
         }
-        let mut glances = BTreeMap::new();
-        for glance in &self.glances {
-            let pose = self.between(glance, &after)?;
-            glances.insert((glance.reading.time_us, glance.sensor), pose);
-        }
-        let rests = self.rests.iter().zip(before.iter().zip(&after));
-        let rests = rests
-            .map(|(rest, (before, after))| Moved {
-                time_us: rest.reading.time_us,
-                before: *before,
-                after: *after,
-            })
-            .collect();
-        let (used, misfit) = fit;
-        Some(Adjusted { rests, glances, beams: given.beams.to_vec(), used, misfit })
+        let at = |glance: &Glance| {
+            let pose = glance.share(rests)?.among(&after);
+            Some(((glance.reading.time_us, glance.sensor), pose))
+        };
+        let moved = |(rest, (before, after)): (&Rest, (&Pose, &Pose))| Moved {
+            time_us: rest.reading.time_us,
+            before: *before,
+            after: *after,
+        };
+        Some(Adjusted {
+            rests: rests.iter().zip(before.iter().zip(&after)).map(moved).collect(),
+            glances: glances.iter().filter_map(at).collect(),
+            beams: given.beams.to_vec(),
+            used,
+        })
     }
 
     /// Where the robot is believed to have been at each rest: on the trajectory, with the heading of the
@@ -190,12 +187,6 @@ impl Network {
             poses.push(Pose { position: place.position, heading });
         }
         poses
-    }
-
-    /// Where the robot was at `glance` if it was at `poses` when it rested.
-    fn between(&self, glance: &Glance, poses: &[Pose]) -> Option<Pose> {
-        let share = glance.share(&self.rests)?;
-        Some(share.pose(&poses[share.from], &poses[share.from + 1]))
     }
 }
 
@@ -266,3 +257,6 @@ impl Adjusted {
         (self.rests.iter().map(of).sum::<f64>() / self.rests.len() as f64).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -117,6 +117,13 @@ fn out_of_reach(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             least * 1e3,
             most * 1e3
         ),
+        EventKind::StillHidden { diameter, at } => write!(
+            f,
+            "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",
+            diameter * 1e3,
+            at.x,
+            at.y
+        ),
         _ => Ok(()),
     }
 }
@@ -259,6 +266,11 @@ fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             "an object is placed to {:.0} mm only: measuring it from what it stands beside",
             millimetres(sd).ceil()
         ),
+        EventKind::AdjustedWhole { moved, used } => write!(
+            f,
+            "all adjusted at once, with {used} contacts: the robot had been {:.0} mm off (rms)",
+            millimetres(moved)
+        ),
         _ => Ok(()),
     }
 }
@@ -287,7 +299,9 @@ impl fmt::Display for EventKind {
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
                 hidden_disc * 1e3
             ),
-            Self::Unreached { .. } | Self::Untouched { .. } => out_of_reach(f, self),
+            Self::Unreached { .. } | Self::Untouched { .. } | Self::StillHidden { .. } => {
+                out_of_reach(f, self)
+            }
             Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
             Self::LapCandidate { .. }
             | Self::LapClosed { .. }
@@ -326,19 +340,10 @@ impl fmt::Display for EventKind {
             | Self::SwitchDoubted { .. } => trouble(f, self),
             Self::Detour { id } => write!(f, "known object O{id}: going round it"),
             Self::NearBoundary => f.write_str("contact near the boundary: carrying on"),
-            Self::Fixed { .. } | Self::Bearings { .. } | Self::Tying { .. } => fixes(f, self),
-            Self::AdjustedWhole { moved, used } => write!(
-                f,
-                "adjusted as a whole, with {used} contacts: the robot had been {:.0} mm off (rms)",
-                moved * 1e3
-            ),
-            Self::StillHidden { diameter, at } => write!(
-                f,
-                "the promise is not kept: {:.0} mm may still hide around ({:.2}, {:.2})",
-                diameter * 1e3,
-                at.x,
-                at.y
-            ),
+            Self::Fixed { .. }
+            | Self::Bearings { .. }
+            | Self::Tying { .. }
+            | Self::AdjustedWhole { .. } => fixes(f, self),
             Self::Reason { why } => f.write_str(why),
             Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),

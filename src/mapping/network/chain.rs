@@ -324,7 +324,7 @@ mod tests {
             add(&[], &[column], &mut normal);
         }
         for node in 0..states {
-            for _ in 0..STATE + 1 {
+            for _ in 0..=STATE {
                 add(&[node], &[node % border, (node * 7 + 3) % border], &mut normal);
                 if node > 0 {
                     add(&[node - 1, node], &[(node / 9) % border], &mut normal);

@@ -76,6 +76,29 @@ impl Unknowns {
             *own += by;
         }
     }
+
+    /// How many contacts lie on their surfaces, and how well, in standard deviations, root mean square.
+    pub(super) fn misfit(
+        &self,
+        rests: &[Rest],
+        glances: &[Glance],
+        surfaces: &Surfaces,
+    ) -> (usize, f64) {
+        let (mut count, mut sum) = (0, 0.0);
+        for (glance, surface) in glances.iter().zip(&surfaces.of) {
+            let Some(surface) = *surface else { continue };
+            let Some(share) = glance.share(rests) else { continue };
+            let pose = share.among(&self.poses);
+            let arm = glance.arm + glance.towards() * self.reach[glance.sensor];
+            let point = pose.position + pose.rotate(arm);
+            let doubt = surfaces.all[surface].off(point).0 / surfaces.sd[surface];
+            if doubt.abs() < REFUSED {
+                count += 1;
+                sum += doubt * doubt;
+            }
+        }
+        (count, (sum / f64::from(count.max(1) as u32)).sqrt())
+    }
 }
 
 /// How surely the readings of this robot are to be taken.
@@ -231,7 +254,7 @@ impl Robot {
     ) -> Option<Equation> {
         let share = glance.share(rests)?;
         let (from, to) = (share.from, share.from + 1);
-        let pose = share.pose(&at.poses[from], &at.poses[to]);
+        let pose = share.among(&at.poses);
         let towards = pose.rotate(glance.towards());
         let arm = pose.rotate(glance.arm) + towards * at.reach[glance.sensor];
         let (off, across, follows) = surfaces.all[surface].off(pose.position + arm);
@@ -252,29 +275,5 @@ impl Robot {
             equation = equation.border(self.surfaces() + UNKNOWNS * surface + k, -by);
         }
         Some(equation)
-    }
-
-    /// How many contacts lie on their surfaces, and how well, in standard deviations, root mean square.
-    pub(super) fn misfit(
-        &self,
-        rests: &[Rest],
-        glances: &[Glance],
-        at: &Unknowns,
-        surfaces: &Surfaces,
-    ) -> (usize, f64) {
-        let (mut count, mut sum) = (0, 0.0);
-        for (glance, surface) in glances.iter().zip(&surfaces.of) {
-            let Some(surface) = *surface else { continue };
-            let Some(share) = glance.share(rests) else { continue };
-            let pose = share.pose(&at.poses[share.from], &at.poses[share.from + 1]);
-            let arm = glance.arm + glance.towards() * at.reach[glance.sensor];
-            let point = pose.position + pose.rotate(arm);
-            let doubt = surfaces.all[surface].off(point).0 / surfaces.sd[surface];
-            if doubt.abs() < REFUSED {
-                count += 1;
-                sum += doubt * doubt;
-            }
-        }
-        (count, (sum / f64::from(count.max(1) as u32)).sqrt())
     }
 }

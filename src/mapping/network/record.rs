@@ -103,8 +103,13 @@ impl Glance {
 }
 
 impl Share {
+    /// Where the robot was if it was at `poses` when it rested.
+    pub(super) fn among(&self, poses: &[Pose]) -> Pose {
+        self.pose(&poses[self.from], &poses[self.from + 1])
+    }
+
     /// Where the robot was that went from `a` to `b`.
-    pub(super) fn pose(&self, a: &Pose, b: &Pose) -> Pose {
+    fn pose(&self, a: &Pose, b: &Pose) -> Pose {
         let (part, all) = self.turned;
         let rest = angle::wrap(b.heading - a.heading - all);
         Pose {

@@ -1,0 +1,163 @@
+//! A robot that drives to and fro between two walls, and what it read of it.
+
+use super::*;
+use crate::geometry::Ring;
+use crate::mapping::map::{ContactKind, Phase, Shape, ShapeClass, Spun};
+use crate::mapping::shape;
+
+/// Between rests the robot drives a metre in five seconds, or turns.
+const LEG: f64 = 1.0;
+/// The switch ahead and the one on the left.
+const BEAMS: [f64; 2] = [0.0, angle::FRAC_PI_2];
+const REACH: f64 = 0.16;
+
+/// What a robot read whose gyro drifts by `drift` (radians per second) and whose wheels turn it by `uneven`
+/// radians a metre more than they tell: ten times round a square of a metre that lies 0.16 m within the
+/// walls of a room, touching the wall ahead at the end of each side, and the one on its left there.
+struct Driven {
+    network: Network,
+    path: Vec<PathPoint>,
+    contacts: Vec<Contact>,
+    truth: Vec<Pose>,
+}
+
+fn driven(drift: f64, uneven: f64) -> Driven {
+    let start = Pose::new(0.16, 0.16, 0.0);
+    let (mut real, mut believed) = (start, start);
+    let mut read = Reading::default();
+    let mut driven = Driven {
+        network: Network::new(start),
+        path: Vec::new(),
+        contacts: Vec::new(),
+        truth: vec![start],
+    };
+    let point = |pose: Pose, time_us: u64| PathPoint {
+        pose,
+        time_us,
+        rested_us: 0,
+        spun: Spun::default(),
+        phase: Phase::Boundary,
+        carried: false,
+    };
+    driven.network.rest(Rest { reading: read, held_up: false });
+    driven.path.push(point(start, 0));
+    for motion in 0..80_u64 {
+        let (ahead, turn, seconds) =
+            if motion % 2 == 0 { (LEG, 0.0, 5.0) } else { (0.0, angle::FRAC_PI_2, 1.0) };
+        // The gyro holds the heading: what it drifts the robot turns the other way.
+        let turned = turn - drift * seconds;
+        let middle = real.turned(turned / 2.0);
+        real = Pose { heading: real.heading + turned, ..middle.advanced(ahead) };
+        let side = believed.turned(turn / 2.0);
+        believed = Pose { heading: believed.heading + turn, ..side.advanced(ahead) };
+        read.time_us += (seconds * 1e6) as u64;
+        read.active += seconds;
+        read.ahead += ahead;
+        read.turned += turn;
+        read.against += turned + uneven * ahead;
+        driven.path.push(point(believed, read.time_us));
+        for (sensor, beam) in BEAMS.iter().enumerate() {
+            // The wall that the beam meets: the nearer one of the two in its direction.
+            let towards = angle::unit(real.heading + beam);
+            let off = |at: f64, along: f64| {
+                let wall = if along > 0.0 { LEG + 2.0 * REACH } else { 0.0 };
+                if along.abs() < 0.5 { f64::INFINITY } else { (wall - at) / along }
+            };
+            let far = off(real.position.x, towards.x).min(off(real.position.y, towards.y));
+            if far > 2.0 * REACH {
+                continue;
+            }
+            let arm = angle::unit(*beam) * far;
+            driven.network.glance(Glance { reading: read, sensor, arm, sure: true });
+            driven.contacts.push(Contact {
+                point: believed.position + believed.rotate(arm),
+                from: believed.position,
+                sensor: Some(sensor),
+                kind: ContactKind::Range,
+                time: read.time_us as f64 * 1e-6,
+            });
+        }
+        driven.network.rest(Rest { reading: read, held_up: false });
+        driven.truth.push(real);
+    }
+    driven
+}
+
+fn adjusted(driven: &Driven) -> Option<Adjusted> {
+    let size = LEG + 2.0 * REACH;
+    let corners = [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)];
+    let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+    let shape: Shape = shape::identify(outline, &driven.contacts);
+    assert_eq!(shape.class, ShapeClass::Convex);
+    let map = RoomMap { shape: Some(shape), ..RoomMap::default() };
+    driven.network.adjust(&Given {
+        path: &driven.path,
+        map: &map,
+        beams: &BEAMS,
+        stretch: 1.0,
+        resolution: 0.003,
+        grip: (1e-7, 1.0),
+        bias: 0.0,
+        held: (0.0, 0.0),
+    })
+}
+
+/// How far the poses are from the truth at most, metres and radians.
+fn worst(driven: &Driven, adjusted: &Adjusted) -> (f64, f64) {
+    let off = |(at, real): (&Moved, &Pose)| {
+        let turn = angle::wrap(at.after.heading - real.heading).abs();
+        ((at.after.position - real.position).norm(), turn)
+    };
+    let all = adjusted.rests.iter().zip(&driven.truth).map(off);
+    all.fold((0.0, 0.0), |(far, turned), (d, t)| (f64::max(far, d), f64::max(turned, t)))
+}
+
+#[test]
+fn what_the_gyro_drifted_is_taken_out_of_the_first_metre_too() {
+    let driven = driven(1.0e-4, 0.02);
+    let adjusted = adjusted(&driven).expect("walls enough");
+    assert_eq!(adjusted.used, driven.contacts.len());
+    let believed = (driven.path[80].pose.heading - driven.truth[80].heading).abs();
+    assert!(believed > 0.02, "it was off by {believed}");
+    let (far, turned) = worst(&driven, &adjusted);
+    assert!(far < 0.003 && turned < 0.002, "{far} m and {turned} rad off");
+    assert!(adjusted.moved() > 0.005, "{}", adjusted.moved());
+}
+
+#[test]
+fn contacts_and_trajectory_follow() {
+    let driven = driven(1.0e-4, 0.0);
+    let adjusted = adjusted(&driven).expect("walls enough");
+    let size = LEG + 2.0 * REACH;
+    for contact in &driven.contacts {
+        let at = adjusted.contact(contact).point;
+        let off = [at.x, at.y, size - at.x, size - at.y].map(f64::abs);
+        let off = off.into_iter().fold(f64::INFINITY, f64::min);
+        assert!(off < 0.002, "{at} is {off} m off every wall");
+    }
+    for (point, real) in driven.path.iter().zip(&driven.truth) {
+        let pose = adjusted.pose(point.pose, point.time_us);
+        assert!((pose.position - real.position).norm() < 0.003, "at {}", point.time_us);
+    }
+}
+
+#[test]
+fn nothing_is_adjusted_where_it_does_not_hang_together() {
+    let mut carried = driven(1.0e-4, 0.0);
+    carried.network.break_off();
+    assert!(adjusted(&carried).is_none());
+    // A room in which nothing was seen.
+    let mut blind = driven(1.0e-4, 0.0);
+    blind.network.glances.clear();
+    assert!(adjusted(&blind).is_none());
+}
+
+#[test]
+fn what_was_seen_on_a_motion_that_has_not_ended_hinders_nothing() {
+    let mut driven = driven(1.0e-4, 0.0);
+    let last = driven.network.glances[0];
+    let mut reading = driven.network.rests[80].reading;
+    reading.time_us += 10;
+    driven.network.glance(Glance { reading, ..last });
+    assert!(adjusted(&driven).is_some());
+}

@@ -91,7 +91,13 @@ pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
 /// are more than small loops.
 #[must_use]
 pub fn mended(outline: Ring) -> Ring {
-    assemble::simple(&outline).unwrap_or(outline)
+    uncrossed(&outline).unwrap_or(outline)
+}
+
+/// The same; none where they are more than small loops.
+#[must_use]
+pub fn uncrossed(outline: &Ring) -> Option<Ring> {
+    assemble::simple(outline)
 }
 
 /// The outline with the floor on the left; none when there is no simple one.

@@ -1,9 +1,11 @@
 //! At the end all that was read is adjusted at once, and the map follows.
 
 use super::{Mission, Output};
+use crate::geometry::Point;
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
 use crate::mapping::network::{Adjusted, Given};
+use crate::mapping::shape;
 
 impl Mission {
     /// Adjusts all observations at once, and moves what was mapped, and the trajectory, to where they are
@@ -42,7 +44,12 @@ impl Mission {
             let now = moved(&object.contacts);
             let before = std::mem::replace(&mut object.contacts, now);
             let now = &object.contacts;
-            object.outline = object.outline.deformed(|p| adjusted.displacement(&before, now, p));
+            let by = |p: Point| adjusted.displacement(&before, now, p);
+            // Faces of something thin may cross when each corner moves by itself: then all of it moves as one.
+            object.outline = shape::uncrossed(&object.outline.deformed(by)).unwrap_or_else(|| {
+                let middle = by(object.outline.middle());
+                object.outline.deformed(|_| middle)
+            });
         }
         for point in self.tracker.path_mut() {
             point.pose = adjusted.pose(point.pose, point.time_us);

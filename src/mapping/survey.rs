@@ -175,8 +175,9 @@ impl Survey {
         Own { bias: of(BIAS), scale: of(SCALE), wheels: of(WHEELS), track: of(TRACK) }
     }
 
-    /// How the wheels hold this floor and how still the gyro is, by the straight drives: variance of the wheels' heading, square
-    /// radians per metre, and that of the gyro's walk as a share of what its datasheet says.
+    /// How the wheels hold this floor and how still the gyro is, by the straight drives: variance of the
+    /// wheels' heading, square radians per metre, and that of the gyro's walk as a share of what its
+    /// datasheet says.
     #[must_use]
     pub fn grip(&self) -> (f64, f64) {
         (self.straight.wander(), self.straight.walk())

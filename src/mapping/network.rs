@@ -34,6 +34,9 @@ const FEWEST: usize = 20;
 /// Contacts that lie on their surfaces worse than this, in standard deviations (root mean square), are on
 /// other surfaces than was thought, and nothing of it is believed.
 const WORST_FIT: f64 = 2.0;
+/// Nor is any of it believed where fewer than this share of the contacts lies on its surface at all: a robot
+/// that was pushed aside was elsewhere from then on.
+const LEAST_SHARE: f64 = 0.9;
 /// Nor is a pose that moves by more than this, metres.
 const FARTHEST: f64 = 0.5;
 
@@ -142,10 +145,12 @@ impl Network {
             surfaces.take(&border.as_slice()[robot.surfaces()..]);
         }
         let (used, misfit) = unknowns.misfit(rests, &glances, &surfaces);
+        let seen = surfaces.of.iter().flatten().count();
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
-        if used < FEWEST || misfit > WORST_FIT || !sane {
+        let agreed = used as f64 >= LEAST_SHARE * seen as f64;
+        if used < FEWEST || !agreed || misfit > WORST_FIT || !sane {
             return None;
         }
         let at = |glance: &Glance| {

@@ -150,13 +150,17 @@ impl Tracker {
         }
         self.last = Some(*to);
         self.read.time_us = to.time_us;
-        self.read.active = self.active();
+        self.read.active_us = self.active_us();
         self.read.against = self.spun.wheels;
         self.record(to.time_us, phase);
         self.pose
     }
 
     fn record(&mut self, time_us: u64, phase: Phase) {
+        // However long the operator lets it stand at first, the trajectory begins when the robot does.
+        if let (None, [start]) = (self.rolled, &mut self.path[..]) {
+            (start.time_us, start.rested_us) = (time_us, self.rested_us);
+        }
         let moved = self.path.last().is_none_or(|p| {
             (p.pose.position - self.pose.position).norm() > 5e-4 || p.phase != phase
         });
@@ -194,7 +198,11 @@ impl Tracker {
     /// Seconds, since its beginning, that the robot was not at rest.
     #[must_use]
     pub fn active(&self) -> f64 {
-        self.time_us().saturating_sub(self.first_us + self.rested_us) as f64 * 1e-6
+        self.active_us() as f64 * 1e-6
+    }
+
+    fn active_us(&self) -> u64 {
+        self.time_us().saturating_sub(self.first_us + self.rested_us)
     }
 
     /// The wheels carry the robot `stretch` times as far as was believed: all that was driven, and all

@@ -10,6 +10,9 @@ use crate::mapping::trust::{Defect, Doubted, Going};
 use crate::mapping::wall::{Sighting, Turning};
 use crate::robot::{DoneReason, Odometer, SwitchSet, Telemetry};
 
+/// A switch looks straight ahead within this, radians.
+const AHEAD: f64 = 0.05;
+
 impl Mission {
     /// Takes one message of the robot.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Output>) {
@@ -114,6 +117,7 @@ impl Mission {
         match reason {
             DoneReason::Bumper | DoneReason::Stalled => {
                 self.bumps += 1;
+                self.miss_ahead(reason);
                 let travelled = self.tracker.travelled();
                 if let Some(wall) = self.wall_mut() {
                     wall.touch(pose, travelled, time_us);
@@ -124,6 +128,17 @@ impl Mission {
                 self.tell(EventKind::Odd { reason }, out);
             }
             DoneReason::Complete | DoneReason::Guard { .. } | DoneReason::Stopped => {}
+        }
+    }
+
+    /// The bumper felt something and the switch that looks ahead had not closed: once or twice that is
+    /// something thin beside its beam.
+    fn miss_ahead(&mut self, reason: DoneReason) {
+        let ahead = self.settings.chassis.sensor_towards(0.0, AHEAD);
+        if let Some(ahead) =
+            ahead.filter(|index| reason == DoneReason::Bumper && !self.raw.has(*index))
+        {
+            self.trust.missed(ahead);
         }
     }
 

@@ -398,5 +398,10 @@ impl Mission {
             let moved = std::mem::replace(&mut shape.outline, Ring { pieces: Vec::new() });
             shape.outline = shape::mended(moved);
         }
+        for object in self.map.objects.iter_mut().filter(|object| object.closed) {
+            if let Some((outline, class)) = shape::closer(&object.outline, &object.contacts) {
+                (object.outline, object.class) = (outline, class);
+            }
+        }
     }
 }

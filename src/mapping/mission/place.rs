@@ -87,7 +87,6 @@ impl Mission {
         self.tell(EventKind::Astray { at: self.tracker.pose().position }, out);
         let since = self.tracker.path().len();
         self.lost = Some(Lost { since, about: About::Doubted, waits: false });
-        self.network.break_off();
         // The round that gave it away may have corrected the pose at its end.
         self.rest.pose = self.tracker.pose();
         let mut relocation = self.relocation(&tour);
@@ -146,6 +145,7 @@ impl Mission {
                     tour.settle_doubt(self.tracker.time_us(), &mut self.map, &mut told);
                     // Farther off than its pose is unsure, it was somewhere else for some time.
                     if off > unsure.max(ASTRAY_BY) {
+                        self.network.break_off();
                         tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
                     }
                     for kind in told {

@@ -7,8 +7,9 @@ use crate::geometry::{Pose, Vector, angle};
 pub struct Reading {
     /// Robot time, microseconds.
     pub time_us: u64,
-    /// Time in which the robot was not known to stand still, seconds.
-    pub active: f64,
+    /// Time in which the robot was not known to stand still, microseconds: whole, so that it makes no
+    /// difference when the counting began.
+    pub active_us: u64,
     /// By how far the wheels went ahead, metres in the robot's own measure.
     pub ahead: f64,
     /// By how much the wheels turned the robot by their own account, radians.
@@ -40,7 +41,7 @@ impl Motion {
 impl Reading {
     pub(super) fn since(&self, before: &Self) -> Motion {
         Motion {
-            active: self.active - before.active,
+            active: self.active_us.saturating_sub(before.active_us) as f64 * 1e-6,
             ahead: self.ahead - before.ahead,
             against: self.against - before.against,
             turned: self.turned - before.turned,

@@ -18,6 +18,8 @@ const LOOSER: f64 = 1.2;
 const MOST_UNSEEN: f64 = 0.5;
 /// ... and else what was seen is as deep as this, metres.
 const DEPTH: f64 = 0.01;
+/// Fitted anew an object is the same when its area is no more than so many times as large, or as small.
+const MOST_GROWTH: f64 = 2.0;
 /// How far a corner may be from a right angle, radians.
 const RIGHT: f64 = 5.0 * angle::PI / 180.0;
 
@@ -47,6 +49,17 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         .unwrap_or_else(|| hull(contacts));
     let class = class_of(&ring);
     (ring, class)
+}
+
+/// The surface of a closed object fitted anew to its `contacts`, which have moved since `outline` was fitted;
+/// none where that lies no closer to them, or would be another thing.
+#[must_use]
+pub fn closer(outline: &Ring, contacts: &[Contact]) -> Option<(Ring, ObjectClass)> {
+    let (ring, class) = object_outline(contacts, true);
+    let same = 1.0 / MOST_GROWTH..MOST_GROWTH;
+    let closer = spread(&ring, contacts) < spread(outline, contacts)
+        && same.contains(&(ring.area() / outline.area()));
+    closer.then_some((ring, class))
 }
 
 /// One of the things that a round went round.
@@ -196,5 +209,20 @@ mod tests {
         let (outline, _) = object_outline(&seen, false);
         assert!(outline.contains(Point::new(0.3, 0.2)), "{outline:?}");
         assert!((outline.area() - 0.24).abs() < 0.03, "{} m²", outline.area());
+    }
+
+    #[test]
+    fn an_outline_follows_its_contacts_when_they_have_moved() {
+        let board = |depth: f64| [(0.0, 0.0), (1.0, 0.0), (1.0, depth), (0.0, depth), (0.0, 0.0)];
+        let seen = along(&board(0.02), -1.0);
+        let as_it_was = object_outline(&along(&board(0.012), -1.0), true).0;
+        let (ring, class) = closer(&as_it_was, &seen).expect("8 mm thicker");
+        assert_eq!(class, ObjectClass::Rectangle);
+        assert!((0.0185..0.0205).contains(&ring.area()), "{} m²", ring.area());
+        assert_eq!(closer(&ring, &seen), None, "no closer than it is");
+        let box_of_it = Ring::polygon(
+            &[(0.0, -0.5), (1.0, -0.5), (1.0, 0.5), (0.0, 0.5)].map(|(x, y)| Point::new(x, y)),
+        );
+        assert_eq!(closer(&box_of_it, &seen), None, "fifty times as large");
     }
 }

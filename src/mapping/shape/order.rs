@@ -18,6 +18,9 @@ const CHAIN: usize = 4;
 const SIDE: f64 = 0.4;
 /// How much wall at most is seen twice at the end of a lap, metres of travel.
 const OVERLAP: f64 = 1.6;
+/// A contact is no second look at another when the places and the places they were seen from are farther
+/// apart than this together, metres: a wall is looked at every half metre.
+const SAME_LOOK: f64 = 1.0;
 
 /// Contacts in order along the wall, floor on the left of the way; the last adjoins the first.
 /// Edge contacts are put where they fit best between the others; `reach` is body radius plus range of
@@ -67,7 +70,7 @@ fn end_of_lap(contacts: &[Contact]) -> usize {
     // The other face of a thin wall may be nearer than the next contact of this one.
     let faces = |c: &Contact| (c.from - c.point).dot(&(first.from - first.point)) > 0.0;
     let mut travelled = 0.0;
-    let mut best = (f64::INFINITY, count);
+    let mut best = (SAME_LOOK, count);
     for k in (count / 2 + 1..count).rev() {
         if k + 1 < count {
             travelled += (contacts[k + 1].from - contacts[k].from).norm();
@@ -248,6 +251,26 @@ mod tests {
         let mut round: Vec<Contact> = along(0.5, 1.0).map(|x| seen(x, 0.02, 1.0)).collect();
         round.extend(along(1.0, 0.0).map(|x| seen(x, 0.0, -1.0)));
         round.extend([0.0, 0.05, 0.1].map(|x| seen(x, 0.02, 1.0)));
+        assert_eq!(end_of_lap(&round), round.len());
+    }
+
+    #[test]
+    fn a_lap_that_ends_before_the_first_contact_is_seen_again_is_whole() {
+        // Along the lower face of a board from its tip, and back along the upper one to the tip; on the way a
+        // wall beyond is seen that faces as the first contact does.
+        let seen = |x: f64, y: f64, side: f64| Contact {
+            point: Point::new(x, y),
+            from: Point::new(x, y + side * 0.145),
+            sensor: Some(2),
+            kind: ContactKind::Range,
+            time: 0.0,
+        };
+        let along =
+            |from: f64, to: f64| (0..8).map(move |k| from + (to - from) * f64::from(k) / 7.0);
+        let mut round: Vec<Contact> = along(0.02, 1.5).map(|x| seen(x, 0.0, -1.0)).collect();
+        round.extend(along(1.5, 0.9).map(|x| seen(x, 0.02, 1.0)));
+        round.push(seen(0.9, 0.31, -1.0));
+        round.extend(along(0.9, 0.02).map(|x| seen(x, 0.02, 1.0)));
         assert_eq!(end_of_lap(&round), round.len());
     }
 }

@@ -56,7 +56,7 @@ impl Side {
 
 /// No move is longer, metres. How far the wheels carry the robot differs from one move to the next;
 /// over many short ones that averages out. A stop costs as much time as 4 cm of way.
-pub const STRIDE: f64 = 0.3;
+pub const STRIDE: f64 = 0.25;
 
 /// How far from a wall the robot's centre is kept while it follows it, metres: inside the band that the
 /// switches see.

@@ -46,7 +46,7 @@ pub struct Network {
     start: Pose,
     rests: Vec<Rest>,
     glances: Vec<Glance>,
-    /// The robot was carried off, or did not know where it was: what it drove does not hang together.
+    /// The robot was carried off, or found to be elsewhere than it drove: that does not hang together.
     broken: bool,
 }
 

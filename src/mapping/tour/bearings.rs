@@ -302,11 +302,11 @@ mod tests {
 
     #[test]
     fn a_wall_that_is_farther_off_than_believed_is_gone_to_until_it_is_seen() {
-        let mut feeling = Feeling::new(vec![Vector::x(), Vector::y()], 0.3, 0);
+        let mut feeling = Feeling::new(vec![Vector::x(), Vector::y()], 0.2, 0);
         let turned = feeling.next(&rest(1.0, false, DoneReason::Complete), FRONT).expect("a turn");
         assert!(matches!(turned.motion, Motion::Turn { angle, .. } if (angle + 1.0).abs() < 1e-9));
         let (most, guarded) = moves(feeling.next(&rest(0.0, false, DoneReason::Complete), FRONT));
-        assert!(guarded && (most - 0.3).abs() < 1e-9, "{most}");
+        assert!(guarded && (most - 0.2).abs() < 1e-9, "{most}");
         // It closes on the way: on to the next wall.
         let seen = DoneReason::Guard { sensor: FRONT, rising: true };
         let next = feeling.next(&rest(0.0, true, seen), FRONT).expect("a turn");

@@ -235,17 +235,21 @@ fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_lap_of_a_thin_wall_does_not_end_on_its_other_face() {
-        // Round a board of 1 m by 20 mm, from the middle of its upper face clockwise; the contact next to
-        // the first lies farther from it than the other face does.
-        let seen = |x: f64, y: f64, side: f64| Contact {
+    /// A contact of a level wall at (`x`, `y`), seen from above it (`side` 1) or below (-1).
+    fn seen(x: f64, y: f64, side: f64) -> Contact {
+        Contact {
             point: Point::new(x, y),
             from: Point::new(x, y + side * 0.145),
             sensor: Some(2),
             kind: ContactKind::Range,
             time: 0.0,
-        };
+        }
+    }
+
+    #[test]
+    fn the_lap_of_a_thin_wall_does_not_end_on_its_other_face() {
+        // Round a board of 1 m by 20 mm, from the middle of its upper face clockwise; the contact next to
+        // the first lies farther from it than the other face does.
         let along =
             |from: f64, to: f64| (0..4).map(move |k| from + (to - from) * f64::from(k) / 3.0);
         let mut round: Vec<Contact> = along(0.5, 1.0).map(|x| seen(x, 0.02, 1.0)).collect();
@@ -258,13 +262,6 @@ mod tests {
     fn a_lap_that_ends_before_the_first_contact_is_seen_again_is_whole() {
         // Along the lower face of a board from its tip, and back along the upper one to the tip; on the way a
         // wall beyond is seen that faces as the first contact does.
-        let seen = |x: f64, y: f64, side: f64| Contact {
-            point: Point::new(x, y),
-            from: Point::new(x, y + side * 0.145),
-            sensor: Some(2),
-            kind: ContactKind::Range,
-            time: 0.0,
-        };
         let along =
             |from: f64, to: f64| (0..8).map(move |k| from + (to - from) * f64::from(k) / 7.0);
         let mut round: Vec<Contact> = along(0.02, 1.5).map(|x| seen(x, 0.0, -1.0)).collect();

@@ -9,7 +9,9 @@
 //!
 //! Unknown are the pose at each rest, the robot's own errors, and the surfaces. Observed are, for each
 //! motion, the turn by the gyro and by the wheels and the way by the wheels; and for each contact, that it
-//! lies on its surface. What surface that is, is taken from the map. `record` keeps the observations,
+//! lies on its surface. What surface that is, is taken from the map: at first from farther off, for where the
+//! robot had doubted its place everything it saw was off together, then closer, as it fits better ([`WITHIN`];
+//! iterative closest point, Chen and Medioni 1992, from coarse to fine). `record` keeps the observations,
 //! `surface` the unknown surfaces, `equation` writes the equations, `chain` solves them.
 //!
 //! It refuses to know what becomes of the map: it says where the robot was, and how a contact follows.
@@ -27,6 +29,10 @@ use equation::{Robot, Unknowns};
 use std::collections::BTreeMap;
 use surface::Surfaces;
 
+/// A contact is of a surface that is no farther off than this, metres: one adjustment after the other.
+pub const WITHIN: [f64; 4] = [0.12, 0.06, CLOSE, CLOSE];
+/// What lies on a surface is no farther off than this, metres.
+const CLOSE: f64 = 0.03;
 /// Least squares are repeated so often: the equations are linear but for small turns.
 const ROUNDS: usize = 3;
 /// With fewer contacts on mapped surfaces nothing is adjusted.
@@ -34,11 +40,14 @@ const FEWEST: usize = 20;
 /// Contacts that lie on their surfaces worse than this, in standard deviations (root mean square), are on
 /// other surfaces than was thought, and nothing of it is believed.
 const WORST_FIT: f64 = 2.0;
+/// The same where they are taken from afar, of standard deviations that are as large: runs that had lost their
+/// place have 0.3 at most, and 0.8 those on which somebody pushed the robot.
+const WORST_FROM_AFAR: f64 = 0.5;
 /// Nor is any of it believed where fewer than this share of the contacts lies on its surface at all: a robot
 /// that was pushed aside was elsewhere from then on.
 const LEAST_SHARE: f64 = 0.9;
 /// Nor is a pose that moves by more than this, metres.
-const FARTHEST: f64 = 0.5;
+const FARTHEST: f64 = 1.0;
 
 /// All that the robot read since it stood at `start`.
 #[derive(Debug, Clone)]
@@ -46,7 +55,7 @@ pub struct Network {
     start: Pose,
     rests: Vec<Rest>,
     glances: Vec<Glance>,
-    /// The robot was carried off, or found to be elsewhere than it drove: that does not hang together.
+    /// The robot was carried off: that does not hang together.
     broken: bool,
 }
 
@@ -70,6 +79,8 @@ pub struct Given<'a> {
     pub bias: f64,
     /// For how many seconds the robot stood still, and what the gyro turned meanwhile, radians.
     pub held: (f64, f64),
+    /// How far from a surface what was seen of it may seem to be, metres: one of [`WITHIN`].
+    pub within: f64,
 }
 
 /// Where the robot was at one rest.
@@ -150,7 +161,8 @@ impl Network {
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
         let agreed = used as f64 >= LEAST_SHARE * seen as f64;
-        if used < FEWEST || !agreed || misfit > WORST_FIT || !sane {
+        let worst = if given.within > CLOSE { WORST_FROM_AFAR } else { WORST_FIT };
+        if used < FEWEST || !agreed || misfit > worst || !sane {
             return None;
         }
         let at = |glance: &Glance| {

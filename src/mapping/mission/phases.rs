@@ -349,6 +349,11 @@ impl Mission {
         tour.publish(&self.survey, &mut self.map);
         self.adjust_whole(out);
         self.refine();
+        let mut told = Vec::new();
+        tour.take_away_twice(&mut self.map, &mut told);
+        for kind in told {
+            self.tell(kind, out);
+        }
         tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
         self.tell_unreached(out);
         self.calibrate();

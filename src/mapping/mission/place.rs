@@ -145,7 +145,6 @@ impl Mission {
                     tour.settle_doubt(self.tracker.time_us(), &mut self.map, &mut told);
                     // Farther off than its pose is unsure, it was somewhere else for some time.
                     if off > unsure.max(ASTRAY_BY) {
-                        self.network.break_off();
                         tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
                     }
                     for kind in told {

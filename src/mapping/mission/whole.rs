@@ -3,17 +3,44 @@
 use super::{Mission, Output};
 use crate::geometry::Point;
 use crate::mapping::event::EventKind;
-use crate::mapping::map::Contact;
-use crate::mapping::network::{Adjusted, Given};
+use crate::mapping::map::{Contact, PathPoint};
+use crate::mapping::network::{Adjusted, Given, WITHIN};
 use crate::mapping::shape;
 
 impl Mission {
     /// Adjusts all observations at once, and moves what was mapped, and the trajectory, to where they are
-    /// by that. Nothing moves where it cannot be done.
+    /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
+    /// Nothing moves where it cannot be done to the end.
     pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) {
+        let (map, pose) = (self.map.clone(), self.tracker.pose());
+        let path = self.tracker.path().to_vec();
+        let mut used = None;
+        for within in WITHIN {
+            used = self.adjusted(within).map(|adjusted| {
+                self.follow(&adjusted);
+                adjusted.used
+            });
+            if used.is_none() {
+                self.map = map;
+                self.tracker.path_mut().clone_from(&path);
+                self.tracker.settle(pose);
+                self.rest.pose = pose;
+                return;
+            }
+        }
+        let off = |(before, now): (&PathPoint, &PathPoint)| {
+            (now.pose.position - before.pose.position).norm_squared()
+        };
+        let squares: f64 = path.iter().zip(self.tracker.path()).map(off).sum();
+        let moved = (squares / path.len().max(1) as f64).sqrt();
+        let used = used.unwrap_or_default();
+        self.tell(EventKind::AdjustedWhole { moved, used }, out);
+    }
+
+    fn adjusted(&self, within: f64) -> Option<Adjusted> {
         let beams: Vec<f64> =
             self.settings.chassis.sensors.iter().map(|mount| mount.angle).collect();
-        let adjusted = self.network.adjust(&Given {
+        self.network.adjust(&Given {
             path: self.tracker.path(),
             map: &self.map,
             beams: &beams,
@@ -22,11 +49,8 @@ impl Mission {
             grip: self.survey.grip(),
             bias: self.tracker.bias(),
             held: self.tracker.held(),
-        });
-        let Some(adjusted) = adjusted else { return };
-        self.follow(&adjusted);
-        let (moved, used) = (adjusted.moved(), adjusted.used);
-        self.tell(EventKind::AdjustedWhole { moved, used }, out);
+            within,
+        })
     }
 
     /// Moves all that was mapped, and the trajectory, along.

@@ -11,8 +11,11 @@ use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix, SMatrix, SVector};
 
 /// Unknowns of one state.
 pub(super) const STATE: usize = 4;
-/// States from one cut to the next.
+/// States from one cut to the next, at least, ...
 const PIECE: usize = 48;
+/// ... and more where there would be more cuts than about this: the whole, which is solved as one, grows with
+/// them.
+const MOST_CUTS: usize = 300;
 /// Unknowns of the border that one equation speaks of, at most.
 const MOST: usize = 5;
 
@@ -118,11 +121,16 @@ impl Normal {
 
     /// The states and the border that satisfy all equations best; none where they leave something open.
     pub(super) fn solve(&self) -> Option<(Vec<State>, DVector<f64>)> {
+        self.solve_in_pieces(PIECE.max(self.nodes.len() / MOST_CUTS))
+    }
+
+    /// The same, with a cut after every `piece` states.
+    fn solve_in_pieces(&self, piece: usize) -> Option<(Vec<State>, DVector<f64>)> {
         let count = self.nodes.len();
         let cuts: Vec<usize> = (0..count)
-            .step_by(PIECE)
+            .step_by(piece)
             .chain(
-                (count > 0 && !(count - 1).is_multiple_of(PIECE)).then_some(count.wrapping_sub(1)),
+                (count > 0 && !(count - 1).is_multiple_of(piece)).then_some(count.wrapping_sub(1)),
             )
             .collect();
         let shift = STATE * cuts.len();
@@ -338,14 +346,16 @@ mod tests {
     fn cut_into_pieces_the_chain_has_the_solution_that_it_has_as_a_whole() {
         for states in [2, 3, PIECE, PIECE + 1, PIECE + 2, 3 * PIECE + 5] {
             let (normal, whole, right) = chain(states, 11);
-            let (nodes, border) = normal.solve().expect("nothing is open");
             let all = whole.cholesky().expect("nothing is open").solve(&right);
-            for (k, node) in nodes.iter().enumerate() {
-                let off = (all.fixed_rows::<STATE>(STATE * k) - node).norm();
-                assert!(off < 1e-8, "state {k} of {states}: {off}");
+            for piece in [PIECE, 7, 2 * PIECE] {
+                let (nodes, border) = normal.solve_in_pieces(piece).expect("nothing is open");
+                for (k, node) in nodes.iter().enumerate() {
+                    let off = (all.fixed_rows::<STATE>(STATE * k) - node).norm();
+                    assert!(off < 1e-8, "state {k} of {states} by {piece}: {off}");
+                }
+                let off = (all.rows(STATE * states, 11) - border).norm();
+                assert!(off < 1e-8, "border of {states} by {piece}: {off}");
             }
-            let off = (all.rows(STATE * states, 11) - border).norm();
-            assert!(off < 1e-8, "border of {states}: {off}");
         }
     }
 

@@ -1,13 +1,11 @@
 //! The surfaces of the map as unknowns, and which contact is of which.
 
-use super::Given;
 use super::record::Glance;
+use super::{CLOSE, Given};
 use crate::geometry::{Piece, Point, Pose, Ring, Vector, angle, perp};
 use crate::mapping::map::{Contact, ContactKind};
 use std::collections::BTreeMap;
 
-/// A contact farther than this from every surface is of none, metres.
-const WITHIN: f64 = 0.03;
 /// Nearer to the end of a piece than this a contact may be of the next, metres.
 const CORNER: f64 = 0.015;
 /// What is seen from more askance than this (cosine) is not of the surface.
@@ -17,6 +15,8 @@ const FEWEST: usize = 3;
 /// Contacts lie about their surface no closer than this, and where nobody knows no farther, metres.
 const LEAST_SD: f64 = 0.0016;
 const MOST_SD: f64 = 0.03;
+/// What is within reach of a surface is within so many standard deviations.
+const DEVIATIONS: f64 = 3.0;
 
 /// A surface that may lie elsewhere than it is mapped.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,8 +86,10 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// The surfaces of `given.map`, and the glances on them, seen from `poses`.
+    /// The surfaces of `given.map`, and the glances on them, seen from `poses`: none is of a surface that is
+    /// farther off than `given.within`.
     pub(super) fn of(given: &Given<'_>, glances: &[Glance], poses: &[Pose]) -> Self {
+        let within = given.within;
         let outline = given.map.shape.as_ref().map(|shape| &shape.outline);
         let objects = given.map.objects.iter().map(|object| &object.outline);
         let rings: Vec<(&Ring, f64)> = outline
@@ -110,9 +112,9 @@ impl Surfaces {
                 .iter()
                 .zip(&bounds)
                 .enumerate()
-                .filter(|(_, (_, bounds))| bounds.is_some_and(|bounds| seen.is_near(bounds)));
+                .filter(|(_, (_, bounds))| bounds.is_some_and(|it| seen.is_near(it, within)));
             let found = found
-                .filter_map(|(index, ((ring, floor), _))| Some((index, seen.on(ring, *floor)?)))
+                .filter_map(|(k, ((ring, floor), _))| Some((k, seen.on(ring, *floor, within)?)))
                 .min_by(|a, b| a.1.1.total_cmp(&b.1.1));
             if let Some((ring, (piece, _))) = found {
                 of_piece.entry((ring, piece)).or_default().push(k);
@@ -129,7 +131,9 @@ impl Surfaces {
                 surfaces.of[k] = Some(surfaces.all.len());
             }
             surfaces.all.push(surface);
-            surfaces.sd.push(scatter.clamp(LEAST_SD, MOST_SD));
+            // Those that are taken from afar may be off by that.
+            let least = if within > CLOSE { within / DEVIATIONS } else { LEAST_SD };
+            surfaces.sd.push(scatter.clamp(LEAST_SD, MOST_SD).max(least));
         }
         surfaces
     }
@@ -149,21 +153,21 @@ struct Seen {
 }
 
 impl Seen {
-    fn is_near(&self, (low, high): (Point, Point)) -> bool {
-        (low.x - WITHIN..=high.x + WITHIN).contains(&self.at.x)
-            && (low.y - WITHIN..=high.y + WITHIN).contains(&self.at.y)
+    fn is_near(&self, (low, high): (Point, Point), within: f64) -> bool {
+        (low.x - within..=high.x + within).contains(&self.at.x)
+            && (low.y - within..=high.y + within).contains(&self.at.y)
     }
 
     /// On which piece of `ring` it is and how far off, if on any; the floor is to the left of it, or
     /// (-1) to the right.
-    fn on(&self, ring: &Ring, floor: f64) -> Option<(usize, f64)> {
+    fn on(&self, ring: &Ring, floor: f64, within: f64) -> Option<(usize, f64)> {
         let towards = (self.from - self.at).try_normalize(1e-9)?;
         let faces =
             |piece: &Piece, t: f64| floor * perp(piece.tangent(t)).dot(&towards) > LEAST_INCIDENCE;
         let foot = ring.nearest_where(self.at, faces)?;
         let from_corner = foot.t.min(1.0 - foot.t) * ring.pieces[foot.piece].length();
         let round = matches!(ring.pieces[foot.piece], Piece::Arc { .. });
-        let of_it = foot.distance < WITHIN && (round || from_corner > CORNER);
+        let of_it = foot.distance < within && (round || from_corner > CORNER);
         of_it.then_some((foot.piece, foot.distance))
     }
 }

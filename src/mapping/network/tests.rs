@@ -89,6 +89,11 @@ fn adjusted(driven: &Driven) -> Option<Adjusted> {
 
 /// The same where the map has these `contacts`.
 fn adjusted_with(driven: &Driven, contacts: Vec<Contact>) -> Option<Adjusted> {
+    adjusted_within(driven, contacts, CLOSE)
+}
+
+/// The same where what is seen of a surface may seem to be off it by `within` metres.
+fn adjusted_within(driven: &Driven, contacts: Vec<Contact>, within: f64) -> Option<Adjusted> {
     let size = LEG + 2.0 * REACH;
     let corners = [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)];
     let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
@@ -104,6 +109,7 @@ fn adjusted_with(driven: &Driven, contacts: Vec<Contact>) -> Option<Adjusted> {
         grip: (1e-7, 1.0),
         bias: 0.0,
         held: (0.0, 0.0),
+        within,
     })
 }
 
@@ -144,6 +150,21 @@ fn contacts_and_trajectory_follow() {
         let pose = adjusted.pose(point.pose, point.time_us);
         assert!((pose.position - real.position).norm() < 0.003, "at {}", point.time_us);
     }
+}
+
+#[test]
+fn where_the_robot_was_believed_elsewhere_its_contacts_are_taken_from_farther_off() {
+    let mut driven = driven(1.0e-4, 0.0);
+    // For half of the way it was believed to be 8 cm from where it was.
+    for point in &mut driven.path[30..70] {
+        point.pose.position += Vector::new(0.06, 0.06);
+    }
+    let close = adjusted(&driven).expect("walls enough");
+    assert!(close.used * 4 < driven.contacts.len() * 3, "{}", close.used);
+    let coarse = adjusted_within(&driven, Vec::new(), WITHIN[0]).expect("walls enough");
+    assert_eq!(coarse.used, driven.contacts.len());
+    let (far, turned) = worst(&driven, &coarse);
+    assert!(far < 0.01 && turned < 0.004, "{far} m and {turned} rad off");
 }
 
 #[test]

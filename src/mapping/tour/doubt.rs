@@ -96,10 +96,15 @@ fn lies_beyond(outline: &Ring, ring: &Ring) -> bool {
     share(edge(ring), beyond) > SOME
 }
 
-/// Which of the `rings`, closed or not, lie beyond the `outline` of the room, or stand where another does: of
-/// two it is the one that was not gone round to the end, or is part of the other, or came later.
+/// Which of the `rings`, closed or not, lie beyond the `outline` of the room, or stand where another does.
 fn impossible(outline: &Ring, rings: &[(&Ring, bool)]) -> Vec<bool> {
-    let mut wrong: Vec<bool> = rings.iter().map(|(ring, _)| lies_beyond(outline, ring)).collect();
+    let beyond = rings.iter().map(|(ring, _)| lies_beyond(outline, ring)).collect();
+    or_twice(rings, beyond)
+}
+
+/// Which of the `rings`, closed or not, are `wrong`, or stand where another does: of two it is the one that was
+/// not gone round to the end, or is part of the other, or came later.
+fn or_twice(rings: &[(&Ring, bool)], mut wrong: Vec<bool>) -> Vec<bool> {
     for (k, (late, late_closed)) in rings.iter().enumerate() {
         for (j, (early, early_closed)) in rings[..k].iter().enumerate() {
             let (in_early, in_late) = (is_in(late, early), is_in(early, late));
@@ -233,6 +238,14 @@ impl Tour {
         wrong.contains(&true)
     }
 
+    /// Takes away what turns out to be twice on the `map`, now that all of it was adjusted.
+    pub fn take_away_twice(&mut self, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
+        let rings: Vec<(&Ring, bool)> =
+            map.objects.iter().map(|object| (&object.outline, object.closed)).collect();
+        let wrong = or_twice(&rings, vec![false; rings.len()]);
+        self.take_away(&wrong, map, tell);
+    }
+
     /// Takes the objects away that are `wrong`.
     fn take_away(&mut self, wrong: &[bool], map: &mut RoomMap, tell: &mut Vec<EventKind>) {
         for index in (0..wrong.len()).rev().filter(|index| wrong[*index]) {
@@ -316,6 +329,8 @@ mod tests {
         assert_eq!(judged(&[(&corner, true), (&table, true)]), [true, false]);
         assert_eq!(judged(&[(&table, true), (&again, true)]), [false, true], "the later one");
         assert_eq!(judged(&[(&beyond, true), (&table, true)]), [true, false]);
+        let rings = [(&beyond, true), (&table, true), (&again, true)];
+        assert_eq!(or_twice(&rings, vec![false; 3]), [false, false, true], "twice, and no more");
     }
 
     #[test]

@@ -28,8 +28,10 @@ const KEPT_EVERY: f64 = 2.0;
 const ROUND_OVERLAP: f64 = 0.25;
 
 /// Contacts of a whole round were not seen from where the robot is at its end: each says little of
-/// its pose, metres.
+/// its pose, metres, ...
 const ROUND_SD: f64 = 0.05;
+/// ... and since they are off together, all of them no more than so many that each are off by themselves.
+const ROUND_WORTH: f64 = 4.0;
 
 impl Tour {
     /// Something unknown: goes round it.
@@ -92,11 +94,13 @@ impl Tour {
                 let after = scene.tracker.pose();
                 if self.is_known(&contacts) {
                     // The pose was off, or it would not have been met as something new.
+                    let share = contacts.len() as f64 / ROUND_WORTH;
+                    let least = ROUND_SD * share.max(1.0).sqrt();
                     for contact in &contacts {
                         let surface =
                             self.chart.surface_at(scene.survey, contact.point, contact.from, KNOWN);
                         let fixed = surface.and_then(|surface| {
-                            let surface = Surface { sd: surface.sd.max(ROUND_SD), ..surface };
+                            let surface = Surface { sd: surface.sd.max(least), ..surface };
                             scene.survey.touch(scene.tracker.pose(), contact.point, &surface)
                         });
                         if let Some(pose) = fixed {

@@ -351,6 +351,7 @@ impl Mission {
         self.refine();
         let mut told = Vec::new();
         tour.take_away_twice(&mut self.map, &mut told);
+        tour.measure_hidden(&self.tracker, &mut self.map);
         for kind in told {
             self.tell(kind, out);
         }

@@ -4,9 +4,11 @@
 
 use super::drive::{Drive, best_chord};
 use super::{ROOM, Scene, Tour};
-use crate::geometry::Point;
+use crate::geometry::{Point, Ring};
 use crate::mapping::event::EventKind;
-use crate::mapping::map::{LineStatus, PlanLine};
+use crate::mapping::floor::{Coverage, Floor};
+use crate::mapping::map::{LineStatus, PathPoint, PlanLine, RoomMap};
+use crate::mapping::odometry::Tracker;
 
 /// The disc is brought this far below α, since the pose is never quite known, metres.
 const PROMISE_MARGIN: f64 = 0.045;
@@ -14,19 +16,40 @@ const PROMISE_MARGIN: f64 = 0.045;
 const MOST_EXTRA: usize = 60;
 
 impl Tour {
-    /// A line through the largest disc that is still hidden, if it is too large.
-    pub(super) fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
-        let path = scene.tracker.path();
-        for point in &path[self.covered..] {
+    /// Adds what the body swept along `path`, where it was sure to be there.
+    fn sweep(&self, path: &[PathPoint], coverage: &mut Coverage) {
+        for point in path {
             if self.sure.was_astray(point.time_us) {
-                self.coverage.lift();
+                coverage.lift();
                 continue;
             }
             if point.carried {
-                self.coverage.lift();
+                coverage.lift();
             }
-            self.coverage.push(point.pose.position);
+            coverage.push(point.pose.position);
         }
+    }
+
+    /// Measures anew what is hidden on the `map`, now that all of it was adjusted: the trajectory went
+    /// elsewhere than was believed when it was driven.
+    pub fn measure_hidden(&self, tracker: &Tracker, map: &mut RoomMap) {
+        let (Some(_), Some(shape)) = (map.hidden_disc, &map.shape) else { return };
+        let objects: Vec<&Ring> = map.objects.iter().map(|object| &object.outline).collect();
+        let from = tracker.pose().position;
+        let floor = Floor::new(&shape.outline, &objects, &self.chassis, from);
+        let mut coverage = Coverage::new();
+        self.sweep(tracker.path(), &mut coverage);
+        let (_, largest) = coverage.spots_and_largest(&floor, self.alpha);
+        map.hidden_disc = Some(largest.map_or(0.0, |disc| disc.diameter));
+        map.hidden_at = largest.map(|disc| disc.at);
+    }
+
+    /// A line through the largest disc that is still hidden, if it is too large.
+    pub(super) fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+        let path = scene.tracker.path();
+        let mut coverage = std::mem::replace(&mut self.coverage, Coverage::new());
+        self.sweep(&path[self.covered..], &mut coverage);
+        self.coverage = coverage;
         self.covered = path.len();
         let target = self.alpha - PROMISE_MARGIN;
         let clearance = self.chassis.radius + ROOM;
@@ -66,5 +89,44 @@ impl Tour {
         });
         scene.tell.push(EventKind::LineBegan { id, backwards: false });
         Some(Drive::new(id, from, to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::mapping::map::{Phase, Spun};
+    use crate::mapping::settings::Settings;
+    use crate::mapping::shape;
+    use crate::mapping::survey::Survey;
+
+    /// Of a room 3 m long and 1 m wide, what is hidden where the robot went along it `aside` metres from a wall.
+    fn hidden(aside: f64) -> f64 {
+        let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 1.0)];
+        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let shape = Some(shape::identify(outline, &[]));
+        let mut map = RoomMap { shape, hidden_disc: Some(0.1), ..RoomMap::default() };
+        let settings = Settings::new(Pose::new(0.16, aside, 0.0));
+        let tour = Tour::new(&settings, &map, &Survey::new(0.003));
+        let mut tracker = Tracker::new(&settings.chassis, settings.start);
+        tracker.path_mut().extend((0..=268_u32).map(|k| PathPoint {
+            pose: Pose::new(0.16 + f64::from(k) * 0.01, aside, 0.0),
+            time_us: u64::from(k) * 50_000,
+            rested_us: 0,
+            spun: Spun::default(),
+            phase: Phase::Objects,
+            carried: false,
+        }));
+        tour.measure_hidden(&tracker, &mut map);
+        map.hidden_disc.expect("measured")
+    }
+
+    #[test]
+    fn what_is_hidden_is_measured_where_the_robot_has_been_after_all() {
+        // The switches reach 0.16 m to either side.
+        let (along_the_middle, nearer_to_one_wall) = (hidden(0.5), hidden(0.3));
+        assert!((along_the_middle - 0.34).abs() < 0.02, "{along_the_middle}");
+        assert!((nearer_to_one_wall - 0.54).abs() < 0.02, "{nearer_to_one_wall}");
     }
 }

@@ -128,6 +128,11 @@ pub enum EventKind {
         /// Contacts that were of mapped surfaces.
         used: usize,
     },
+    /// With all adjusted more is hidden than was believed: the tour goes on.
+    GoesOn {
+        /// Diameter of the hidden disc, metres.
+        diameter: f64,
+    },
     /// There is floor that cannot be reached.
     Unreached {
         /// Where the gap is narrowest.

@@ -106,6 +106,8 @@ pub struct Mission {
     trust: Trust,
     /// What is under way rests on a switch that chatters: it is begun again.
     afresh: bool,
+    /// The tour went on after all was adjusted: it does so once.
+    went_on: bool,
 }
 
 impl Mission {
@@ -136,6 +138,7 @@ impl Mission {
             beside: None,
             trust: Trust::new(&settings.chassis),
             afresh: false,
+            went_on: false,
             settings,
         }
     }

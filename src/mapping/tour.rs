@@ -182,6 +182,13 @@ impl Tour {
         }
     }
 
+    /// What is left when the lines of the plan were driven: what is still hidden is driven through.
+    #[must_use]
+    pub fn of_the_rest(settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
+        let whole = Self::new(settings, map, survey);
+        Self { queue: VecDeque::new(), driven: whole.total, begun: true, ..whole }
+    }
+
     /// Whether a line was begun.
     #[must_use]
     pub fn has_begun(&self) -> bool {

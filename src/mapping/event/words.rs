@@ -266,6 +266,11 @@ fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             "an object is placed to {:.0} mm only: measuring it from what it stands beside",
             millimetres(sd).ceil()
         ),
+        EventKind::GoesOn { diameter } => write!(
+            f,
+            "by that {:.0} mm may still be hidden: it is driven through as well",
+            millimetres(diameter)
+        ),
         EventKind::AdjustedWhole { moved, used } => write!(
             f,
             "all adjusted at once, with {used} contacts: the robot had been {:.0} mm off (rms)",
@@ -343,7 +348,8 @@ impl fmt::Display for EventKind {
             Self::Fixed { .. }
             | Self::Bearings { .. }
             | Self::Tying { .. }
-            | Self::AdjustedWhole { .. } => fixes(f, self),
+            | Self::AdjustedWhole { .. }
+            | Self::GoesOn { .. } => fixes(f, self),
             Self::Reason { why } => f.write_str(why),
             Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),

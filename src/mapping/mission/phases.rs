@@ -347,13 +347,22 @@ impl Mission {
     /// The last line is driven: the map is handed over.
     fn end_tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
         tour.publish(&self.survey, &mut self.map);
-        self.adjust_whole(out);
+        let adjusted = self.adjust_whole(out);
         self.refine();
         let mut told = Vec::new();
         tour.take_away_twice(&mut self.map, &mut told);
         tour.measure_hidden(&self.tracker, &mut self.map);
         for kind in told {
             self.tell(kind, out);
+        }
+        if let (true, Some(owed)) = (adjusted, self.map.shortfall())
+            && !std::mem::replace(&mut self.went_on, true)
+        {
+            self.tell(EventKind::GoesOn { diameter: owed.hidden }, out);
+            self.survey.rebase();
+            let rest = Tour::of_the_rest(&self.settings, &self.map, &self.survey);
+            self.tour(Box::new(rest), out);
+            return;
         }
         tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
         self.tell_unreached(out);

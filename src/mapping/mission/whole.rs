@@ -10,8 +10,8 @@ use crate::mapping::shape;
 impl Mission {
     /// Adjusts all observations at once, and moves what was mapped, and the trajectory, to where they are
     /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
-    /// Nothing moves where it cannot be done to the end.
-    pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) {
+    /// Nothing moves where it cannot be done to the end; whether it was.
+    pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> bool {
         let (map, pose) = (self.map.clone(), self.tracker.pose());
         let path = self.tracker.path().to_vec();
         let mut used = None;
@@ -25,7 +25,7 @@ impl Mission {
                 self.tracker.path_mut().clone_from(&path);
                 self.tracker.settle(pose);
                 self.rest.pose = pose;
-                return;
+                return false;
             }
         }
         let off = |(before, now): (&PathPoint, &PathPoint)| {
@@ -35,6 +35,7 @@ impl Mission {
         let moved = (squares / path.len().max(1) as f64).sqrt();
         let used = used.unwrap_or_default();
         self.tell(EventKind::AdjustedWhole { moved, used }, out);
+        true
     }
 
     fn adjusted(&self, within: f64) -> Option<Adjusted> {

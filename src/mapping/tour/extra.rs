@@ -94,21 +94,36 @@ impl Tour {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Turn;
     use super::*;
     use crate::geometry::Pose;
+    use crate::mapping::follow::AtRest;
     use crate::mapping::map::{Phase, Spun};
+    use crate::mapping::plan::{self, PlanRequest};
     use crate::mapping::settings::Settings;
     use crate::mapping::shape;
     use crate::mapping::survey::Survey;
+    use crate::robot::{DoneReason, SwitchSet};
 
-    /// Of a room 3 m long and 1 m wide, what is hidden where the robot went along it `aside` metres from a wall.
-    fn hidden(aside: f64) -> f64 {
+    /// A room 3 m long and 1 m wide, along which the robot went `aside` metres from a wall; with the lines of
+    /// its plan driven, for all that is believed.
+    fn gone_along(aside: f64) -> (Settings, RoomMap, Tracker) {
         let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 1.0)];
         let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
-        let shape = Some(shape::identify(outline, &[]));
-        let mut map = RoomMap { shape, hidden_disc: Some(0.1), ..RoomMap::default() };
+        let shape = shape::identify(outline, &[]);
         let settings = Settings::new(Pose::new(0.16, aside, 0.0));
-        let tour = Tour::new(&settings, &map, &Survey::new(0.003));
+        let mut plan = plan::make(&PlanRequest {
+            shape: &shape,
+            objects: &[],
+            driven: &Coverage::new(),
+            from: settings.start.position,
+            settings: &settings,
+        });
+        for line in &mut plan.lines {
+            line.status = LineStatus::Driven;
+        }
+        let (shape, plan) = (Some(shape), Some(plan));
+        let map = RoomMap { shape, plan, hidden_disc: Some(0.1), ..RoomMap::default() };
         let mut tracker = Tracker::new(&settings.chassis, settings.start);
         tracker.path_mut().extend((0..=268_u32).map(|k| PathPoint {
             pose: Pose::new(0.16 + f64::from(k) * 0.01, aside, 0.0),
@@ -118,6 +133,13 @@ mod tests {
             phase: Phase::Objects,
             carried: false,
         }));
+        (settings, map, tracker)
+    }
+
+    /// What is hidden there.
+    fn hidden(aside: f64) -> f64 {
+        let (settings, mut map, tracker) = gone_along(aside);
+        let tour = Tour::new(&settings, &map, &Survey::new(0.003));
         tour.measure_hidden(&tracker, &mut map);
         map.hidden_disc.expect("measured")
     }
@@ -128,5 +150,34 @@ mod tests {
         let (along_the_middle, nearer_to_one_wall) = (hidden(0.5), hidden(0.3));
         assert!((along_the_middle - 0.34).abs() < 0.02, "{along_the_middle}");
         assert!((nearer_to_one_wall - 0.54).abs() < 0.02, "{nearer_to_one_wall}");
+    }
+
+    #[test]
+    fn of_the_rest_what_is_hidden_is_driven_through_and_no_line_again() {
+        let (settings, mut map, mut tracker) = gone_along(0.3);
+        let mut survey = Survey::new(0.003);
+        survey.mark(settings.start.position, 0);
+        let lines = map.plan.as_ref().map_or(0, |plan| plan.lines.len());
+        let mut tour = Tour::of_the_rest(&settings, &map, &survey);
+        assert!((tour.share() - 1.0).abs() < 1e-9, "the plan itself is driven");
+        let mut told = Vec::new();
+        let rest =
+            AtRest { pose: settings.start, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
+        let next = tour.next(&mut Scene {
+            tracker: &mut tracker,
+            survey: &mut survey,
+            rest,
+            map: &mut map,
+            tell: &mut told,
+        });
+        assert!(matches!(next, Turn::Go(_)));
+        let begun: Vec<_> = told
+            .iter()
+            .filter_map(|kind| match kind {
+                EventKind::LineBegan { id, .. } => Some(*id as usize),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(begun, [lines + 1], "a line of its own: {told:?}");
     }
 }

@@ -106,8 +106,8 @@ pub struct Mission {
     trust: Trust,
     /// What is under way rests on a switch that chatters: it is begun again.
     afresh: bool,
-    /// The tour went on after all was adjusted: it does so once.
-    went_on: bool,
+    /// How often the tour went on after all was adjusted: once at most.
+    went_on: u32,
 }
 
 impl Mission {
@@ -138,7 +138,7 @@ impl Mission {
             beside: None,
             trust: Trust::new(&settings.chassis),
             afresh: false,
-            went_on: false,
+            went_on: 0,
             settings,
         }
     }

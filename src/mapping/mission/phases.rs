@@ -356,8 +356,9 @@ impl Mission {
             self.tell(kind, out);
         }
         if let (true, Some(owed)) = (adjusted, self.map.shortfall())
-            && !std::mem::replace(&mut self.went_on, true)
+            && self.went_on == 0
         {
+            self.went_on += 1;
             self.tell(EventKind::GoesOn { diameter: owed.hidden }, out);
             self.survey.rebase();
             let rest = Tour::of_the_rest(&self.settings, &self.map, &self.survey);

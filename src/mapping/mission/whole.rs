@@ -1,4 +1,5 @@
-//! At the end all that was read is adjusted at once, and the map follows.
+//! At the end all that was read is adjusted at once, and the map follows. How it is adjusted is for
+//! `network` to know, and what comes after it for `phases`.
 
 use super::{Mission, Output};
 use crate::geometry::Point;

@@ -24,7 +24,7 @@ use super::settings::Settings;
 use super::survey::Survey;
 use super::tour::Tour;
 use super::trust::Trust;
-use super::wall::{Turning, Wall};
+use super::wall::{Stroke, Turning, Wall};
 use crate::robot::{Command, CommandId, DoneReason, Guard, Motion, SwitchSet};
 
 /// What the core wants done or told.
@@ -101,6 +101,8 @@ pub struct Mission {
     began: bool,
     laps: u32,
     lost: Option<Lost>,
+    /// The way of the first lap, as its contacts are believed.
+    way: Vec<Stroke>,
     /// What the lap that closed last ended beside.
     beside: Option<Beside>,
     trust: Trust,
@@ -135,6 +137,7 @@ impl Mission {
             began: false,
             laps: 0,
             lost: None,
+            way: Vec::new(),
             beside: None,
             trust: Trust::new(&settings.chassis),
             afresh: false,

@@ -6,6 +6,7 @@ mod chain;
 mod circle;
 mod classify;
 mod corner;
+mod divide;
 mod gap;
 mod island;
 mod neck;
@@ -142,6 +143,11 @@ fn samples(ordered: &[Contact], sigma: f64) -> Vec<Sample> {
         }
     }
     samples
+}
+
+/// The noise of the contacts of something that was gone round, metres.
+fn scatter(contacts: &[Contact], reach: f64) -> f64 {
+    noise(&samples(&order::along_wall(contacts, reach), LEAST_SIGMA))
 }
 
 /// The noise of a contact, metres: what short stretches leave after a parabola, judged by the

@@ -9,9 +9,11 @@
 mod carve;
 mod sighting;
 mod stretch;
+mod swept;
 
 pub use sighting::{Sighting, Turning};
 pub use stretch::Stretch;
+pub use swept::{Stroke, swept};
 
 use self::carve::Trail;
 use super::drift::Unwound;
@@ -55,6 +57,7 @@ pub struct Wall {
     near: Vec<usize>,
     last_pose: Option<Pose>,
     trail: Trail,
+    strokes: Vec<Stroke>,
     /// Switches that were open where another had seen something.
     missed: Vec<usize>,
 }
@@ -73,6 +76,7 @@ impl Wall {
             near: Vec::new(),
             last_pose: None,
             trail: Trail::default(),
+            strokes: Vec::new(),
             missed: Vec::new(),
         }
     }
@@ -106,6 +110,7 @@ impl Wall {
         for seen in &mut self.log {
             *seen = seen.unwound(unwound);
         }
+        self.unwind_strokes(unwound);
         self.trail.clear();
         if let (Some(pose), Some(last)) = (&mut self.last_pose, unwound.path().last()) {
             *pose = unwound.pose(*pose, last.time_us);
@@ -117,6 +122,7 @@ impl Wall {
         self.log.clear();
         self.near.clear();
         self.trail.clear();
+        self.strokes.clear();
     }
 
     /// The living sightings near the robot, oldest first.

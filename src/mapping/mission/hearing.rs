@@ -174,7 +174,7 @@ impl Mission {
         let closed = self.closed.union(self.trust.out());
         let travelled = self.tracker.travelled();
         if let Some(wall) = self.wall_mut() {
-            wall.carve(pose, closed, travelled);
+            wall.carve(pose, closed, travelled, odometer.time_us);
         }
         pose
     }

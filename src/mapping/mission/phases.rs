@@ -13,7 +13,7 @@ use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, MappedObject, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::retrace::Beside;
-use crate::mapping::search::{Next, Search, lap_contacts};
+use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes};
 use crate::mapping::shape::{self, Enclosed};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
@@ -71,6 +71,7 @@ impl Mission {
         let (earlier, wall) = (search.earlier(), search.wall());
         let adjustment = Adjustment::after(&self.tracker, earlier, closure, overlap, wall);
         self.map.contacts = lap_contacts(search.wall(), closure, &adjustment);
+        self.way = lap_strokes(search.wall(), closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);
         self.map.laps = 1;
@@ -136,6 +137,10 @@ impl Mission {
             contact.point += self.survey.displacement(contact.point, &tie);
             contact.from += self.survey.displacement(contact.from, &tie);
         }
+        for stroke in &mut self.way {
+            let tie = self.survey.tie(stroke.time_us, knots);
+            *stroke = stroke.placed(|at, _| at + self.survey.displacement(at, &tie));
+        }
     }
 
     /// Stretches all that was mapped towards what the tape said, if there is one, as far as its ends are
@@ -196,6 +201,9 @@ impl Mission {
         }
         for object in &mut self.map.objects {
             object.displace(moved);
+        }
+        for stroke in &mut self.way {
+            *stroke = stroke.placed(|at, _| at + moved(at));
         }
         self.tracker.stretch(stretch, start);
         self.survey.stretch(stretch, start);
@@ -274,7 +282,7 @@ impl Mission {
     /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.
     fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
         let chassis = &self.settings.chassis;
-        let (rest, islands) = shape::islands(outline, &self.map.contacts, chassis);
+        let (rest, islands) = shape::islands(outline, &self.map.contacts, &self.way, chassis);
         for ring in islands {
             let id = self.map.next_id();
             let all = std::mem::take(&mut self.map.contacts);

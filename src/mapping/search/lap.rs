@@ -6,7 +6,7 @@ use crate::mapping::circuit::Closure;
 use crate::mapping::follow::{self, Side};
 use crate::mapping::map::{Contact, ObjectClass};
 use crate::mapping::shape::{Thing, post, things};
-use crate::mapping::wall::{Sighting, Wall};
+use crate::mapping::wall::{Sighting, Stroke, Wall};
 use crate::robot::Chassis;
 
 /// The way round a post is no longer than this many times the circle about it.
@@ -31,7 +31,16 @@ pub fn lap_things(
             return vec![Thing { outline, class: ObjectClass::Circle, contacts }];
         }
     }
-    things(contacts, chassis)
+    let strokes = lap_strokes(wall, closure, adjustment);
+    things(contacts, &strokes, chassis)
+}
+
+/// The way of one lap, adjusted.
+#[must_use]
+pub fn lap_strokes(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Vec<Stroke> {
+    let place = |point, time_us| adjustment.place(point, time_us);
+    let of_lap = wall.strokes().iter().filter(|stroke| closure.holds(stroke.travelled));
+    of_lap.map(|stroke| stroke.placed(place)).collect()
 }
 
 /// The contacts of one lap, adjusted, in order. What the switches on the other hand saw belongs to

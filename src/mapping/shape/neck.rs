@@ -9,6 +9,7 @@ use super::object::object_outline;
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, cross};
 use crate::mapping::map::{Contact, ContactKind};
+use crate::mapping::wall::Stroke;
 use crate::robot::Chassis;
 
 /// A contact this near to a chord speaks for it, metres ...
@@ -64,7 +65,12 @@ enum Floor {
 /// The outline of a room without the things that only untouched chords join to it, and the outlines
 /// of those, counter-clockwise.
 #[must_use]
-pub fn islands(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> (Ring, Vec<Ring>) {
+pub fn islands(
+    outline: Ring,
+    contacts: &[Contact],
+    strokes: &[Stroke],
+    chassis: &Chassis,
+) -> (Ring, Vec<Ring>) {
     let mut outline = outline;
     let mut found = Vec::new();
     let mut cuts = 0;
@@ -75,17 +81,28 @@ pub fn islands(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> (Ring,
         cuts += 1;
         // What is thinner than that is a corner that was touched unevenly, and nothing standing there.
         if 2.0 * island.area().abs() > THINNEST * island.perimeter() {
-            found.extend(apart(island, contacts, chassis));
+            let own: Vec<Contact> = contacts
+                .iter()
+                .filter(|c| island.distance(c.point) < outline.distance(c.point))
+                .copied()
+                .collect();
+            found.extend(apart(island, &own, strokes, chassis));
         }
     }
     (outline, found)
 }
 
 /// The things that only untouched chords join into the one of `outline`, which was gone round from
-/// outside; all counter-clockwise.
+/// outside on the way of `strokes`; all counter-clockwise. One thing where something as wide as a board may
+/// join them that nobody has looked at.
 #[must_use]
-pub(super) fn apart(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Ring> {
-    let mut found = vec![outline];
+pub(super) fn apart(
+    outline: Ring,
+    contacts: &[Contact],
+    strokes: &[Stroke],
+    chassis: &Chassis,
+) -> Vec<Ring> {
+    let mut found = vec![outline.clone()];
     let mut looked_at = 0;
     while looked_at < found.len() && found.len() < MOST_CUTS as usize {
         if let Some((one, other)) = cut(&found[looked_at], contacts, Floor::Outside, chassis) {
@@ -95,7 +112,23 @@ pub(super) fn apart(outline: Ring, contacts: &[Contact], chassis: &Chassis) -> V
             looked_at += 1;
         }
     }
+    let parts = shared_out(contacts, &found);
+    if found.len() > 1 && super::divide::are_one(&parts, strokes, chassis) {
+        return vec![outline];
+    }
     found
+}
+
+/// Those of the `contacts` that lie nearest to each of `rings`.
+pub(super) fn shared_out(contacts: &[Contact], rings: &[Ring]) -> Vec<Vec<Contact>> {
+    let mut parts = vec![Vec::new(); rings.len()];
+    for contact in contacts {
+        let off = |k: &usize| rings[*k].distance(contact.point);
+        if let Some(k) = (0..rings.len()).min_by(|a, b| off(a).total_cmp(&off(b))) {
+            parts[k].push(*contact);
+        }
+    }
+    parts
 }
 
 /// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends from its
@@ -312,7 +345,7 @@ mod tests {
     #[test]
     fn a_box_behind_a_gap_is_cut_off() {
         let (rest, found) =
-            islands(room(), &[contact(1.0, 0.0), contact(1.74, 0.54)], &Chassis::default());
+            islands(room(), &[contact(1.0, 0.0), contact(1.74, 0.54)], &[], &Chassis::default());
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.1564).abs() < 1e-9, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
@@ -321,7 +354,8 @@ mod tests {
     #[test]
     fn a_box_whose_side_runs_along_the_wall_is_one_obstacle_with_it() {
         let side_on = joined(&[(1.8, 0.18), (1.8, 0.58), (2.2, 0.58), (2.2, 0.18)], 0.18);
-        let (rest, found) = islands(side_on.clone(), &[contact(1.0, 0.0)], &Chassis::default());
+        let (rest, found) =
+            islands(side_on.clone(), &[contact(1.0, 0.0)], &[], &Chassis::default());
         assert!(found.is_empty());
         assert_eq!(rest, side_on);
     }
@@ -332,7 +366,7 @@ mod tests {
         let once = [(1.75, 0.54), (2.02, 0.81), (2.29, 0.54)];
         let twice: Vec<(f64, f64)> = again.into_iter().chain(once).collect();
         let (rest, found) =
-            islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], &Chassis::default());
+            islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], &[], &Chassis::default());
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.15).abs() < 0.01, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
@@ -344,7 +378,8 @@ mod tests {
         let second = [(2.0, 1.08), (1.74, 1.36), (2.02, 1.64), (2.3, 1.36), (2.04, 1.08)];
         let row: Vec<(f64, f64)> =
             first.into_iter().chain(second).chain([(2.04, 0.8), (2.3, 0.54)]).collect();
-        let (rest, found) = islands(joined(&row, 0.28), &[contact(1.0, 0.0)], &Chassis::default());
+        let (rest, found) =
+            islands(joined(&row, 0.28), &[contact(1.0, 0.0)], &[], &Chassis::default());
         assert_eq!(found.len(), 2);
         for ring in found {
             assert!((ring.area() - 0.157).abs() < 0.01, "{}", ring.area());
@@ -355,7 +390,7 @@ mod tests {
     #[test]
     fn a_neck_that_was_touched_is_wall() {
         let (rest, found) =
-            islands(room(), &[contact(2.0, 0.1), contact(2.04, 0.1)], &Chassis::default());
+            islands(room(), &[contact(2.0, 0.1), contact(2.04, 0.1)], &[], &Chassis::default());
         assert!(found.is_empty());
         assert_eq!(rest, room());
     }
@@ -376,7 +411,8 @@ mod tests {
         ];
         let points: Vec<Point> = corners.into_iter().map(|(x, y)| Point::new(x, y)).collect();
         let outline = Ring::polygon(&points).counter_clockwise();
-        let found = apart(outline, &[contact(0.3, 0.3), contact(1.0, 0.3)], &Chassis::default());
+        let found =
+            apart(outline, &[contact(0.3, 0.3), contact(1.0, 0.3)], &[], &Chassis::default());
         assert_eq!(found.len(), 2);
         for ring in found {
             assert!((ring.area() - 0.18).abs() < 0.01, "{}", ring.area());
@@ -386,7 +422,7 @@ mod tests {
     #[test]
     fn a_gap_that_could_be_passed_is_no_neck() {
         let slim = Chassis { radius: 0.04, range: 0.02, ..Chassis::default() };
-        let (_, found) = islands(room(), &[], &slim);
+        let (_, found) = islands(room(), &[], &[], &slim);
         assert!(found.is_empty());
     }
 }

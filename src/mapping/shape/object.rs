@@ -7,12 +7,18 @@ use super::rectangle::rectangle;
 use crate::geometry::hull::{deepest_bay, jarvis};
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 use crate::mapping::map::{Contact, ContactKind, MappedObject, ObjectClass};
+use crate::mapping::wall::Stroke;
 use crate::robot::Chassis;
 
 /// The robot's reach only bounds inner corners of a bay here, metres.
 const REACH: f64 = 0.16;
 /// A rectangle may lie this much looser on the contacts than a ring of more pieces.
 const LOOSER: f64 = 1.2;
+/// A hull is as close to the contacts as a ring when it lies no more than so many times as far off, or than
+/// so many times this, metres; the ring has folded up when the hull is so many times as large.
+const AS_CLOSE: f64 = 1.6;
+const CLOSE: f64 = 0.001;
+const FOLDED: f64 = 1.2;
 /// The chord that closes what was not gone round is its other side when it is no longer than this share of
 /// the way along what was seen, ...
 const MOST_UNSEEN: f64 = 0.5;
@@ -46,6 +52,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
                 .map(Ring::counter_clockwise)
                 .filter(|ring| passes_contacts(ring, contacts))
         })
+        .filter(|ring| !leaves_out(ring, contacts))
         .unwrap_or_else(|| hull(contacts));
     let class = class_of(&ring);
     (ring, class)
@@ -83,27 +90,25 @@ impl Thing {
 }
 
 /// What was gone round once, all the way, as one: mostly one thing, several where the robot does not
-/// fit between them but sees that they are apart.
+/// fit between them but saw, on the way of `strokes`, that they are apart.
 #[must_use]
-pub fn things(contacts: Vec<Contact>, chassis: &Chassis) -> Vec<Thing> {
+pub fn things(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
+    match super::divide::divided(&contacts, strokes, chassis) {
+        Some(parts) => parts.into_iter().flat_map(|part| necked(part, strokes, chassis)).collect(),
+        None => necked(contacts, strokes, chassis),
+    }
+}
+
+/// The same of what no floor that was seen parts: things that only untouched chords join are several.
+fn necked(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
     let (outline, class) = object_outline(&contacts, true);
     if class != ObjectClass::Concave {
         return vec![Thing { outline, class, contacts }];
     }
-    let rings = super::neck::apart(outline, &contacts, chassis);
-    let mut things: Vec<Thing> = rings
-        .into_iter()
-        .map(|outline| Thing { class: class_of(&outline), outline, contacts: Vec::new() })
-        .collect();
-    for contact in contacts {
-        let nearest = things.iter_mut().min_by(|a, b| {
-            a.outline.distance(contact.point).total_cmp(&b.outline.distance(contact.point))
-        });
-        if let Some(thing) = nearest {
-            thing.contacts.push(contact);
-        }
-    }
-    things
+    let rings = super::neck::apart(outline, &contacts, strokes, chassis);
+    let parts = super::neck::shared_out(&contacts, &rings);
+    let thing = |(outline, contacts)| Thing { class: class_of(&outline), outline, contacts };
+    rings.into_iter().zip(parts).map(thing).collect()
 }
 
 /// A contact this near to something mapped belongs to it, metres: nothing that stands so near to it
@@ -128,6 +133,14 @@ fn spread(ring: &Ring, contacts: &[Contact]) -> f64 {
         (sum + ring.distance(contact.point).powi(2), count + 1)
     });
     (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// Whether `ring` leaves out what its contacts enclose, as one that folds up does where a side of the thing
+/// was not seen: its convex hull lies as close to them, and is larger.
+fn leaves_out(ring: &Ring, contacts: &[Contact]) -> bool {
+    let hull = hull(contacts);
+    let as_close = spread(&hull, contacts) < AS_CLOSE * spread(ring, contacts).max(CLOSE);
+    as_close && hull.area() > FOLDED * ring.area()
 }
 
 /// Whether nearly all contacts lie on the ring: else it is no picture of what was touched.
@@ -209,6 +222,19 @@ mod tests {
         let (outline, _) = object_outline(&seen, false);
         assert!(outline.contains(Point::new(0.3, 0.2)), "{outline:?}");
         assert!((outline.area() - 0.24).abs() < 0.03, "{} m²", outline.area());
+    }
+
+    #[test]
+    fn a_ring_that_folds_up_where_nothing_was_seen_leaves_out_what_is_there() {
+        // Two sides of a leg, whose others nobody saw; a fit has joined them along themselves.
+        let seen = along(&[(0.0, 0.0), (0.08, 0.0), (0.08, 0.07)], -1.0);
+        let corners = [(0.0, 0.0), (0.08, 0.0), (0.08, 0.07), (0.078, 0.003)];
+        let folded = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        assert!(leaves_out(&folded, &seen), "{} m²", folded.area());
+        // A bay that was seen is none.
+        let bay = [(0.0, 0.0), (0.3, 0.0), (0.3, 0.3), (0.15, 0.1), (0.0, 0.3)];
+        let ring = Ring::polygon(&bay.map(|(x, y)| Point::new(x, y)));
+        assert!(!leaves_out(&ring, &along(&[&bay[..], &bay[..1]].concat(), -1.0)));
     }
 
     #[test]

@@ -12,11 +12,11 @@ use crate::mapping::follow::{Ask, Side};
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::passing::{Passing, Way};
-use crate::mapping::search::{lap_contacts, lap_things};
+use crate::mapping::search::{lap_contacts, lap_strokes, lap_things};
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, things};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
-use crate::mapping::wall::{Sighting, Wall};
+use crate::mapping::wall::{Sighting, Stroke, Wall};
 use crate::robot::Chassis;
 
 /// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
@@ -87,7 +87,8 @@ impl Tour {
                 let since = closure.from.time_us;
                 let mut adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
                 let mut contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
-                let seen = things(contacts.clone(), &self.chassis);
+                let strokes = lap_strokes(&round.circuit.wall, &closure, &adjustment);
+                let seen = things(contacts.clone(), &strokes, &self.chassis);
                 adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
                 let before = scene.tracker.pose();
                 let hung = round.close(&overlap, scene);
@@ -244,13 +245,15 @@ impl Tour {
             Way::Back => {
                 let side = pass.passing.side();
                 let seen = side_contacts(&pass.passing);
+                let way = pass.passing.wall.strokes();
                 if let Some(half) = pass.half.take() {
                     let mut contacts = half.contacts;
                     contacts.extend(seen);
                     if side == Side::Right {
                         contacts.reverse();
                     }
-                    let found = things(contacts, &self.chassis);
+                    let strokes = [&half.strokes, way].concat();
+                    let found = things(contacts, &strokes, &self.chassis);
                     if let Some(at) = self.cannot_be(&found, scene) {
                         // It is past it, and beside nothing.
                         self.doing = Doing::Driving(pass.drive);
@@ -260,7 +263,8 @@ impl Tour {
                     let hung = Hung::Once(here(scene));
                     self.record_round(found, &hung, scene);
                 } else {
-                    self.halves.push((pass.drive.id, Half { side, contacts: seen }));
+                    let half = Half { side, contacts: seen, strokes: way.to_vec() };
+                    self.halves.push((pass.drive.id, half));
                     pass.drive.again = true;
                     scene.tell.push(EventKind::ObjectHalf { id });
                 }
@@ -366,6 +370,8 @@ pub(super) struct Pass {
 pub(super) struct Half {
     side: Side,
     contacts: Vec<Contact>,
+    /// The way past it.
+    strokes: Vec<Stroke>,
 }
 
 /// What the switches on the object's hand saw on the way past it.

@@ -43,8 +43,9 @@ impl Trail {
 impl Wall {
     /// The robot moved to `pose` with the switches in `closed` all the while: what an open beam or
     /// the body passed through is not there.
-    pub fn carve(&mut self, pose: Pose, closed: SwitchSet, travelled: f64) {
+    pub fn carve(&mut self, pose: Pose, closed: SwitchSet, travelled: f64, time_us: u64) {
         let from = self.last_pose.replace(pose).unwrap_or(pose);
+        self.record((from, pose), closed, travelled, time_us);
         self.trail.push(pose.position, travelled);
         self.near.retain(|&index| {
             let seen = &self.log[index];
@@ -152,8 +153,8 @@ mod tests {
         let touch = wall.touch(at, 0.0, 0);
         // Backing off brings the place of the touch within the beams.
         let back = Pose::new(-0.03, 0.0, 0.0);
-        wall.carve(back, SwitchSet::EMPTY, 0.03);
-        wall.carve(Pose::new(-0.03, 0.0, angle), SwitchSet::EMPTY, 0.03);
+        wall.carve(back, SwitchSet::EMPTY, 0.03, 0);
+        wall.carve(Pose::new(-0.03, 0.0, angle), SwitchSet::EMPTY, 0.03, 0);
         (wall, touch)
     }
 
@@ -161,14 +162,14 @@ mod tests {
     fn a_touch_that_the_body_came_over_was_elsewhere() {
         let mut wall = Wall::new(&Chassis::default());
         let touch = wall.touch(Pose::new(0.0, 0.0, 0.0), 0.0, 0);
-        wall.carve(Pose::new(-0.03, 0.0, 0.0), SwitchSet::EMPTY, 0.03);
+        wall.carve(Pose::new(-0.03, 0.0, 0.0), SwitchSet::EMPTY, 0.03, 0);
         assert_eq!(wall.log()[0].point, touch.point);
         // On past the place a little to the left, where the body covers it; no beam says anything.
         let closed = (0..8).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
-        wall.carve(Pose::new(-0.03, 0.0, 0.9), closed, 0.03);
+        wall.carve(Pose::new(-0.03, 0.0, 0.9), closed, 0.03, 0);
         let there = Pose::new(0.08, 0.04, 0.9);
         for _ in 0..7 {
-            wall.carve(there, closed, 0.16);
+            wall.carve(there, closed, 0.16, 0);
         }
         let moved = wall.log()[0];
         assert!(!moved.alive || (moved.point - there.position).norm() > 0.06, "{moved:?}");
@@ -181,10 +182,10 @@ mod tests {
         let closed = (0..8).fold(SwitchSet::EMPTY, |set, k| set.with(k, true));
         // All round to the left of it first, where the touch is not believed to be yet.
         for (x, y, travelled) in [(-0.1, 0.0, 0.1), (0.0, 0.1, 0.25), (0.07, 0.12, 0.33)] {
-            wall.carve(Pose::new(x, y, 1.5), closed, travelled);
+            wall.carve(Pose::new(x, y, 1.5), closed, travelled, 0);
         }
         // Then over the place ahead.
-        wall.carve(Pose::new(0.12, 0.01, -1.5), closed, 0.45);
+        wall.carve(Pose::new(0.12, 0.01, -1.5), closed, 0.45, 0);
         let moved = wall.log()[0];
         assert!(!moved.alive || moved.point.y < 0.0, "{moved:?}");
     }
@@ -210,7 +211,7 @@ mod tests {
         let (mut wall, _) = turned_after_a_touch(0.0);
         for turn in 1..=24 {
             let heading = f64::from(turn) * 0.5;
-            wall.carve(Pose::new(-0.03, 0.0, heading), SwitchSet::EMPTY, 0.03);
+            wall.carve(Pose::new(-0.03, 0.0, heading), SwitchSet::EMPTY, 0.03, 0);
         }
         assert_eq!(wall.near().count(), 0);
     }

@@ -11,6 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How finely the floor is looked at, metres.
 const CELL: f64 = 0.005;
+/// What is larger than so many of them, 7 m square, is not looked at so finely.
+const MOST_CELLS: usize = 2_000_000;
 /// About the contacts, metres.
 const MARGIN: f64 = 0.03;
 /// What is nearer than this to a contact is no floor, metres.
@@ -44,6 +46,9 @@ impl Unswept {
     fn beside(contacts: &[Contact], strokes: &[Stroke], chassis: &Chassis) -> Option<Self> {
         let (low, high) = bounds(contacts)?;
         let grid = Grid::over(low, high, CELL, MARGIN);
+        if grid.len() > MOST_CELLS {
+            return None;
+        }
         let free = swept(strokes, chassis, &grid);
         let mut solid: Vec<bool> = free.into_iter().map(|free| !free).collect();
         for contact in contacts.iter().filter(|contact| contact.kind == ContactKind::Range) {

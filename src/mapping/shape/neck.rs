@@ -2,7 +2,8 @@
 //! as one, and the outline joins them by two chords across the gap, which nobody has touched. A
 //! thing that only such chords join to the wall is an object of its own, and two objects joined
 //! like that are two; that the gap is too narrow to pass does not make it solid. Where the body would
-//! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]).
+//! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]); and so they are where
+//! what nobody has looked at may be a board that joins them ([`super::divide`]).
 
 use super::gap::Gap;
 use super::object::object_outline;

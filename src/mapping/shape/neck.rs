@@ -3,7 +3,8 @@
 //! thing that only such chords join to the wall is an object of its own, and two objects joined
 //! like that are two; that the gap is too narrow to pass does not make it solid. Where the body would
 //! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]); and so they are where
-//! what nobody has looked at may be a board that joins them ([`super::divide`]).
+//! worn switches laid two faces through each other and what nobody has looked at may be a board
+//! ([`super::divide`]).
 
 use super::gap::Gap;
 use super::object::object_outline;
@@ -94,8 +95,8 @@ pub fn islands(
 }
 
 /// The things that only untouched chords join into the one of `outline`, which was gone round from
-/// outside on the way of `strokes`; all counter-clockwise. One thing where something as wide as a board may
-/// join them that nobody has looked at.
+/// outside on the way of `strokes`; all counter-clockwise. Seen by worn switches they are one thing
+/// where something as wide as a board may join them that nobody has looked at.
 #[must_use]
 pub(super) fn apart(
     outline: Ring,

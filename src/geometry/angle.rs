@@ -81,9 +81,29 @@ pub fn of(v: Vector) -> f64 {
     libm::atan2(v.y, v.x)
 }
 
+/// The widest angle between two of the `bearings` (radians, in (-π, π]) that are next to each other all the
+/// way round; a whole turn where there are none.
+#[must_use]
+pub fn widest_gap(mut bearings: Vec<f64>) -> f64 {
+    bearings.sort_by(f64::total_cmp);
+    let around = match bearings[..] {
+        [first, .., last] => first + TAU - last,
+        _ => TAU,
+    };
+    bearings.windows(2).map(|two| two[1] - two[0]).fold(around, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_widest_gap_may_lie_across_the_back() {
+        assert!((widest_gap(vec![0.5, -1.0, 1.0]) - (TAU - 2.0)).abs() < 1e-12);
+        assert!((widest_gap(vec![3.0, 0.0, -3.0]) - 3.0).abs() < 1e-12);
+        assert_eq!(widest_gap(vec![0.3]), TAU);
+        assert_eq!(widest_gap(Vec::new()), TAU);
+    }
 
     #[test]
     fn wrap_keeps_the_direction_and_the_range() {

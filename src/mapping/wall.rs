@@ -4,7 +4,8 @@
 //! off the end of something nearer (a silhouette: the tip of an outer corner). The two look the
 //! same to the robot; here they are told apart by what the wall seen so far predicts, by crossing
 //! the same ray in both directions (a surface opens 5 mm later than it closes, a silhouette does
-//! not), and by beams that later pass through a point without seeing it.
+//! not), and by beams that later pass through a point without seeing it. The way itself is kept too (`swept`):
+//! it tells where nothing was.
 
 mod carve;
 mod sighting;

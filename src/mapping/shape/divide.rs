@@ -123,10 +123,11 @@ pub(super) fn are_one(parts: &[Vec<Contact>], strokes: &[Stroke], chassis: &Chas
         return false;
     }
     let Some(unswept) = Unswept::beside(&contacts, strokes, chassis) else { return false };
-    let mut found = BTreeSet::new();
+    let (of, mut found) = (unswept.pieces(&contacts, BOARD), BTreeSet::new());
+    let mut of = of.into_iter();
     parts.iter().any(|part| {
         let mut counts = BTreeMap::<usize, usize>::new();
-        for piece in unswept.pieces(part, BOARD).into_iter().flatten() {
+        for piece in of.by_ref().take(part.len()).flatten() {
             *counts.entry(piece).or_default() += 1;
         }
         let most = counts.into_iter().max_by_key(|(_, count)| *count);
@@ -138,11 +139,7 @@ pub(super) fn are_one(parts: &[Vec<Contact>], strokes: &[Stroke], chassis: &Chas
 fn widest_unseen(contacts: &[Contact]) -> f64 {
     let Some((low, high)) = bounds(contacts) else { return angle::TAU };
     let middle = nalgebra::center(&low, &high);
-    let mut bearings: Vec<f64> = contacts.iter().map(|c| angle::of(c.from - middle)).collect();
-    bearings.sort_by(f64::total_cmp);
-    let round = bearings.first().map_or(0.0, |first| first + angle::TAU);
-    bearings.push(round);
-    bearings.windows(2).map(|two| two[1] - two[0]).fold(0.0, f64::max)
+    angle::widest_gap(contacts.iter().map(|c| angle::of(c.from - middle)).collect())
 }
 
 /// The contacts of one thing in the order in which a robot goes round it counter-clockwise: it came by more

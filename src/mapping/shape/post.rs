@@ -76,12 +76,8 @@ pub fn post(
         })
         .collect();
     let (center, radius, agreeing) = fit(&glances)?;
-    let mut bearings: Vec<f64> =
-        agreeing.iter().map(|glance| angle::of(center - glance.from)).collect();
-    bearings.sort_by(f64::total_cmp);
-    let around = bearings.first()? + angle::TAU - bearings.last()?;
-    let gap = bearings.windows(2).map(|two| two[1] - two[0]).fold(around, f64::max);
-    (gap < WIDEST_GAP).then(|| Ring::circle(center, radius))
+    let bearings = agreeing.iter().map(|glance| angle::of(center - glance.from)).collect();
+    (angle::widest_gap(bearings) < WIDEST_GAP).then(|| Ring::circle(center, radius))
 }
 
 /// Least squares over the glances, without those that are of something else: centre, radius, and the

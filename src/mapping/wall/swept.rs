@@ -44,7 +44,8 @@ impl Stroke {
         self.closed == next.closed && (turns || drives)
     }
 
-    /// The same where `place` puts what was somewhere at a robot time.
+    /// The same where `place` puts what was somewhere at a robot time. Headings stay: what they are off by moves
+    /// the end of a beam by a millimetre or two.
     #[must_use]
     pub fn placed(&self, place: impl Fn(Point, u64) -> Point) -> Self {
         let there = |pose: Pose| Pose { position: place(pose.position, self.time_us), ..pose };

@@ -12,11 +12,12 @@
 //! lies on its surface. What surface that is, is taken from the map: at first from farther off, for where the
 //! robot had doubted its place everything it saw was off together, then closer, as it fits better ([`WITHIN`];
 //! iterative closest point, Chen and Medioni 1992, from coarse to fine). `record` keeps the observations,
-//! `surface` the unknown surfaces, `equation` writes the equations, `chain` solves them.
+//! `dither` says how much those on the way tell, `surface` the unknown surfaces, `equation` writes the equations, `chain` solves them.
 //!
 //! It refuses to know what becomes of the map: it says where the robot was, and how a contact follows.
 
 mod chain;
+mod dither;
 mod equation;
 mod record;
 mod surface;
@@ -25,7 +26,8 @@ pub use record::{Glance, Reading, Rest};
 
 use super::map::{Contact, PathPoint, RoomMap};
 use crate::geometry::{Point, Pose, Vector, angle, rotate};
-use equation::{Robot, Unknowns};
+use dither::weighed;
+use equation::{Read, Robot, Unknowns};
 use std::collections::BTreeMap;
 use surface::Surfaces;
 
@@ -33,6 +35,8 @@ use surface::Surfaces;
 pub const WITHIN: [f64; 4] = [0.12, 0.06, CLOSE, CLOSE];
 /// What lies on a surface is no farther off than this, metres.
 const CLOSE: f64 = 0.03;
+/// Readings on the way are so far apart that each is rounded to ticks by itself, metres.
+const APART: f64 = 0.005;
 /// Least squares are repeated so often: the equations are linear but for small turns.
 const ROUNDS: usize = 3;
 /// With fewer contacts on mapped surfaces nothing is adjusted.
@@ -54,6 +58,8 @@ const FARTHEST: f64 = 1.0;
 pub struct Network {
     start: Pose,
     rests: Vec<Rest>,
+    /// What wheels and gyro read on the way from one rest to the next.
+    passed: Vec<Reading>,
     glances: Vec<Glance>,
     /// The robot was carried off: that does not hang together.
     broken: bool,
@@ -70,6 +76,8 @@ pub struct Given<'a> {
     pub beams: &'a [f64],
     /// Real over believed travel of the wheels.
     pub stretch: f64,
+    /// Travel of a wheel for one of its ticks, metres.
+    pub tick: f64,
     /// Turn of the wheels for one tick of one of them, radians.
     pub resolution: f64,
     /// Variance of the wheels' heading, square radians per metre, and that of the gyro's walk as a share
@@ -106,7 +114,8 @@ impl Network {
     /// Nothing read yet by a robot at `start`.
     #[must_use]
     pub fn new(start: Pose) -> Self {
-        Self { start, rests: Vec::new(), glances: Vec::new(), broken: false }
+        let (passed, glances) = (Vec::new(), Vec::new());
+        Self { start, rests: Vec::new(), passed, glances, broken: false }
     }
 
     /// What is read from here on does not hang together with what was read before.
@@ -118,6 +127,14 @@ impl Network {
     pub fn rest(&mut self, rest: Rest) {
         if self.rests.last().is_none_or(|last| last.reading.time_us < rest.reading.time_us) {
             self.rests.push(rest);
+        }
+    }
+
+    /// The robot is on its way. What it reads where it has gone no farther says nothing more.
+    pub fn pass(&mut self, reading: Reading) {
+        let last = self.passed.last().or(self.rests.last().map(|rest| &rest.reading));
+        if last.is_some_and(|last| (reading.ahead - last.ahead).abs() > APART) {
+            self.passed.push(reading);
         }
     }
 
@@ -145,17 +162,18 @@ impl Network {
         let placed = |glance: &Glance| Some((*glance, glance.share(rests)?.among(&before)));
         let (glances, poses): (Vec<Glance>, Vec<Pose>) =
             self.glances.iter().filter_map(placed).unzip();
+        let passed = weighed(&self.passed, rests, given.tick);
+        let read = Read { rests, passed: &passed, glances: &glances };
         let robot = Robot::new(given, self.start);
         let mut surfaces = Surfaces::of(given, &glances, &poses);
         let mut unknowns = Unknowns::new(rests, &before, given.bias, given.beams.len());
         for round in 0..ROUNDS {
             let rough = round == 0;
-            let (change, border) =
-                robot.equations(rests, &glances, &unknowns, &surfaces, rough).solve()?;
+            let (change, border) = robot.equations(&read, &unknowns, &surfaces, rough).solve()?;
             unknowns.take(&change, &border);
             surfaces.take(&border.as_slice()[robot.surfaces()..]);
         }
-        let (used, misfit) = unknowns.misfit(rests, &glances, &surfaces);
+        let (used, misfit) = unknowns.misfit(&read, &surfaces);
         let seen = surfaces.of.iter().flatten().count();
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();

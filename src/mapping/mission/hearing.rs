@@ -19,6 +19,7 @@ impl Mission {
         match input {
             Telemetry::Report { odometer, switches, bumper } => {
                 self.odometer(odometer);
+                self.network.pass(self.tracker.reading());
                 self.hear(*switches, out);
                 self.bumper = *bumper;
             }

@@ -47,6 +47,7 @@ impl Mission {
             map: &self.map,
             beams: &beams,
             stretch: self.tracker.stretched(),
+            tick: self.settings.chassis.tick,
             resolution: self.tracker.resolution(),
             grip: self.survey.grip(),
             bias: self.tracker.bias(),

@@ -2,6 +2,7 @@
 
 use super::Given;
 use super::chain::{Equation, Normal, STATE};
+use super::dither::Passed;
 use super::record::{Glance, Motion, Rest};
 use super::surface::{Surfaces, UNKNOWNS};
 use crate::geometry::{Pose, Vector, angle, perp};
@@ -44,6 +45,9 @@ const REFUSED: f64 = 5.0;
 
 type State = SVector<f64, STATE>;
 
+/// What the wheels turned, of the unknowns of a rest: its place, its heading, and that.
+const WHEELS_TURN: State = State::new(0.0, 0.0, 0.0, 1.0);
+
 /// What is to be found.
 pub(super) struct Unknowns {
     pub(super) poses: Vec<Pose>,
@@ -78,16 +82,11 @@ impl Unknowns {
     }
 
     /// How many contacts lie on their surfaces, and how well, in standard deviations, root mean square.
-    pub(super) fn misfit(
-        &self,
-        rests: &[Rest],
-        glances: &[Glance],
-        surfaces: &Surfaces,
-    ) -> (usize, f64) {
+    pub(super) fn misfit(&self, read: &Read<'_>, surfaces: &Surfaces) -> (usize, f64) {
         let (mut count, mut sum) = (0, 0.0);
-        for (glance, surface) in glances.iter().zip(&surfaces.of) {
+        for (glance, surface) in read.glances.iter().zip(&surfaces.of) {
             let Some(surface) = *surface else { continue };
-            let Some(share) = glance.share(rests) else { continue };
+            let Some(share) = glance.share(read.rests) else { continue };
             let pose = share.among(&self.poses);
             let arm = glance.arm + glance.towards() * self.reach[glance.sensor];
             let point = pose.position + pose.rotate(arm);
@@ -99,6 +98,14 @@ impl Unknowns {
         }
         (count, (sum / f64::from(count.max(1) as u32)).sqrt())
     }
+}
+
+/// What the robot read.
+pub(super) struct Read<'a> {
+    pub(super) rests: &'a [Rest],
+    /// What was read between rests.
+    pub(super) passed: &'a [Passed],
+    pub(super) glances: &'a [Glance],
 }
 
 /// How surely the readings of this robot are to be taken.
@@ -138,12 +145,12 @@ impl Robot {
     /// The normal equations about `at`. In the first round, when `rough`, no contact is refused.
     pub(super) fn equations(
         &self,
-        rests: &[Rest],
-        glances: &[Glance],
+        read: &Read<'_>,
         at: &Unknowns,
         surfaces: &Surfaces,
         rough: bool,
     ) -> Normal {
+        let Read { rests, passed, glances } = *read;
         let mut normal = Normal::new(rests.len(), self.surfaces() + UNKNOWNS * surfaces.all.len());
         self.priors(at, surfaces, &mut normal);
         for (k, pair) in rests.windows(2).enumerate() {
@@ -151,7 +158,10 @@ impl Robot {
             self.turned(k, &motion, at, &mut normal);
             self.went(k, &motion, pair[1].held_up, at, &mut normal);
             let read = Equation::of(at.wheels[k + 1] - pair[1].reading.against, self.rounding);
-            normal.add(&read.node(k + 1, State::new(0.0, 0.0, 0.0, 1.0)));
+            normal.add(&read.node(k + 1, WHEELS_TURN));
+        }
+        for it in passed {
+            normal.add(&self.passed(it, rests, at));
         }
         for (glance, surface) in glances.iter().zip(&surfaces.of) {
             let Some(surface) = *surface else { continue };
@@ -171,8 +181,7 @@ impl Robot {
             unit[row] = 1.0;
             normal.add(&Equation::of(off, variance).node(0, unit));
         }
-        let wheels = State::new(0.0, 0.0, 0.0, 1.0);
-        normal.add(&Equation::of(0.0, self.rounding).node(0, wheels));
+        normal.add(&Equation::of(0.0, self.rounding).node(0, WHEELS_TURN));
         let own = [(BIAS, BIAS_SD), (SCALE, SCALE_SD), (WHEELS, WHEELS_SD), (TRACK, TRACK_SD)];
         for (row, sd) in own {
             normal.add(&Equation::of(at.own[row], sd * sd).border(row, 1.0));
@@ -217,6 +226,21 @@ impl Robot {
                 .border(WHEELS, -ahead)
                 .border(TRACK, -real),
         );
+    }
+
+    /// What the wheels read on a straight drive, where what they turn grows with the way. At its ends alone
+    /// they tell the turn no better than to a tick; each reading on the way is rounded by itself, so that
+    /// what they had turned at the ends is known better by many.
+    fn passed(&self, it: &Passed, rests: &[Rest], at: &Unknowns) -> Equation {
+        let Passed { reading, share, weight } = it;
+        let (from, to) = (share.from, share.from + 1);
+        let motion = rests[to].reading.since(&rests[from].reading);
+        let (before, after) = (1.0 - share.way, share.way);
+        let told = before * at.wheels[from] + after * at.wheels[to];
+        // The heading is held by the gyro and wanders with it.
+        let wander = self.walk * motion.active * before * after;
+        let read = Equation::of(told - reading.against, self.rounding / weight + wander);
+        read.node(from, WHEELS_TURN * before).node(to, WHEELS_TURN * after)
     }
 
     /// What the wheels say of the way.

@@ -34,8 +34,12 @@ const SHORT: f64 = 0.002;
 
 impl Motion {
     pub(super) fn is_straight(&self) -> bool {
-        self.turned.abs() < STRAIGHT
+        is_straight(self.turned)
     }
+}
+
+fn is_straight(turned: f64) -> bool {
+    turned.abs() < STRAIGHT
 }
 
 impl Reading {
@@ -46,6 +50,18 @@ impl Reading {
             against: self.against - before.against,
             turned: self.turned - before.turned,
         }
+    }
+
+    /// Between which of `rests` it was taken; none where the robot had not come to rest since.
+    pub(super) fn share(&self, rests: &[Rest]) -> Option<Share> {
+        let after = rests.partition_point(|rest| rest.reading.time_us < self.time_us);
+        let (from, next) = (after.checked_sub(1)?, rests.get(after)?);
+        let before = &rests[from].reading;
+        let (part, all) = (self.since(before), next.reading.since(before));
+        let time = if all.active > 0.0 { (part.active / all.active).clamp(0.0, 1.0) } else { 1.0 };
+        let way =
+            if all.ahead.abs() > SHORT { (part.ahead / all.ahead).clamp(0.0, 1.0) } else { time };
+        Some(Share { from, way, time, turned: (part.turned, all.turned) })
     }
 }
 
@@ -92,18 +108,16 @@ impl Glance {
 
     /// Between which of `rests` it was; none where the robot had not come to rest since.
     pub(super) fn share(&self, rests: &[Rest]) -> Option<Share> {
-        let after = rests.partition_point(|rest| rest.reading.time_us < self.reading.time_us);
-        let (from, next) = (after.checked_sub(1)?, rests.get(after)?);
-        let before = &rests[from].reading;
-        let (part, all) = (self.reading.since(before), next.reading.since(before));
-        let time = if all.active > 0.0 { (part.active / all.active).clamp(0.0, 1.0) } else { 1.0 };
-        let way =
-            if all.ahead.abs() > SHORT { (part.ahead / all.ahead).clamp(0.0, 1.0) } else { time };
-        Some(Share { from, way, time, turned: (part.turned, all.turned) })
+        self.reading.share(rests)
     }
 }
 
 impl Share {
+    /// Whether the motion goes straight.
+    pub(super) fn is_straight(&self) -> bool {
+        is_straight(self.turned.1)
+    }
+
     /// Where the robot was if it was at `poses` when it rested.
     pub(super) fn among(&self, poses: &[Pose]) -> Pose {
         self.pose(&poses[self.from], &poses[self.from + 1])

@@ -10,6 +10,9 @@ const LEG: f64 = 1.0;
 /// The switch ahead and the one on the left.
 const BEAMS: [f64; 2] = [0.0, angle::FRAC_PI_2];
 const REACH: f64 = 0.16;
+/// Travel of a wheel for a tick, and what one of them turns the robot, radians.
+const TICK: f64 = 0.0005;
+const TURN_OF_A_TICK: f64 = 0.003;
 
 /// What a robot read whose gyro drifts by `drift` (radians per second) and whose wheels turn it by `uneven`
 /// radians a metre more than they tell: ten times round a square of a metre that lies 0.16 m within the
@@ -105,7 +108,8 @@ fn adjusted_within(driven: &Driven, contacts: Vec<Contact>, within: f64) -> Opti
         map: &map,
         beams: &BEAMS,
         stretch: 1.0,
-        resolution: 0.003,
+        tick: TICK,
+        resolution: TURN_OF_A_TICK,
         grip: (1e-7, 1.0),
         bias: 0.0,
         held: (0.0, 0.0),
@@ -133,6 +137,46 @@ fn what_the_gyro_drifted_is_taken_out_of_the_first_metre_too() {
     let (far, turned) = worst(&driven, &adjusted);
     assert!(far < 0.003 && turned < 0.002, "{far} m and {turned} rad off");
     assert!(adjusted.moved() > 0.005, "{}", adjusted.moved());
+}
+
+#[test]
+fn read_on_the_way_too_the_wheels_tell_turns_better_than_to_a_tick() {
+    // The wheels are rounded to ticks, each of which turns it by 3 mrad.
+    let off_by = |on_the_way: bool| {
+        let mut driven = driven(0.0, 0.013);
+        let ticks = |share: f64| (share / TURN_OF_A_TICK).floor() * TURN_OF_A_TICK;
+        let rests = driven.network.rests.clone();
+        for pair in rests.windows(2) {
+            let (from, to) = (pair[0].reading, pair[1].reading);
+            let motion = to.since(&from);
+            for k in 1..50 {
+                let share = f64::from(k) / 49.75;
+                let part = |whole_us: u64| (whole_us as f64 * share) as u64;
+                // 40.2 ticks from one to the next.
+                let ahead = (motion.ahead * share / TICK).floor() * TICK;
+                let reading = Reading {
+                    time_us: from.time_us + part(to.time_us - from.time_us),
+                    active_us: from.active_us + part(to.active_us - from.active_us),
+                    ahead: from.ahead + ahead,
+                    against: ticks(from.against + motion.against * share),
+                    turned: from.turned + motion.turned * share,
+                };
+                if on_the_way && motion.ahead > 0.0 {
+                    driven.network.passed.push(reading);
+                }
+            }
+        }
+        for rest in &mut driven.network.rests {
+            rest.reading.against = ticks(rest.reading.against);
+        }
+        let adjusted = adjusted(&driven).expect("walls enough");
+        let turned =
+            |(at, real): (&Moved, &Pose)| angle::wrap(at.after.heading - real.heading).powi(2);
+        let sum: f64 = adjusted.rests.iter().zip(&driven.truth).map(turned).sum();
+        (sum / driven.truth.len() as f64).sqrt()
+    };
+    let (ends, way) = (off_by(false), off_by(true));
+    assert!(way < 0.8 * ends, "{way} rad off, and {ends} by the ends of the drives alone");
 }
 
 #[test]

@@ -29,8 +29,10 @@ const FARTHEST: f64 = 2.5;
 const EVERY: f64 = 0.3;
 /// Nearer to its end a face is not measured, metres.
 const MARGIN: f64 = 0.05;
-/// What looks at a face does so within this cosine.
-const FACING: f64 = 0.94;
+/// What looks at a face does so within this cosine: what runs askance of it is felt, too.
+const FACING: f64 = 0.75;
+/// Ways along each other within this cosine are the same.
+const SAME_WAY: f64 = 0.94;
 /// What is done besides driving there costs as much time as so many metres.
 const OVERHEAD: f64 = 1.5;
 /// Places nearer to each other than this are the same, metres.
@@ -150,7 +152,7 @@ impl Tour {
         let mut spans = spans(&self.chart, floor, scene.survey, radius);
         spans.retain(|span| {
             let done = |(place, along): &(Point, Vector)| {
-                (place - span.at).norm() < SAME_PLACE && along.dot(&span.along) > FACING
+                (place - span.at).norm() < SAME_PLACE && along.dot(&span.along) > SAME_WAY
             };
             span.spread > SURE * SURE && !self.tied.iter().any(done)
         });

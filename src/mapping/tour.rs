@@ -182,11 +182,12 @@ impl Tour {
         }
     }
 
-    /// What is left when the lines of the plan were driven: what is still hidden is driven through.
+    /// What is left when the lines of the plan were driven: what is still hidden is driven through. What this
+    /// tour measured from what it stands beside is not measured again.
     #[must_use]
-    pub fn of_the_rest(settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
-        let whole = Self::new(settings, map, survey);
-        Self { queue: VecDeque::new(), driven: whole.total, begun: true, ..whole }
+    pub fn of_the_rest(&self, settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
+        let (whole, tied) = (Self::new(settings, map, survey), self.tied.clone());
+        Self { queue: VecDeque::new(), driven: whole.total, begun: true, tied, ..whole }
     }
 
     /// Whether a line was begun.

@@ -27,6 +27,16 @@ impl RoomMap {
     /// none: there is no plan, or there are lines still to be driven.
     #[must_use]
     pub fn shortfall(&self) -> Option<Shortfall> {
+        self.owed(SLACK)
+    }
+
+    /// The same to the letter, with nothing let pass: what is worth driving through while the robot is there.
+    #[must_use]
+    pub fn shortfall_to_the_letter(&self) -> Option<Shortfall> {
+        self.owed(0.0)
+    }
+
+    fn owed(&self, slack: f64) -> Option<Shortfall> {
         let (plan, hidden) = (self.plan.as_ref()?, self.hidden_disc?);
         let open = |status| matches!(status, LineStatus::Planned | LineStatus::Driving);
         if plan.lines.iter().any(|line| open(line.status)) {
@@ -34,7 +44,7 @@ impl RoomMap {
         }
         let driven = plan.lines.iter().filter(|line| line.status == LineStatus::Driven).count();
         let lines = plan.figures.lines.max(driven);
-        (hidden > plan.alpha + SLACK).then_some(Shortfall {
+        (hidden > plan.alpha + slack).then_some(Shortfall {
             hidden,
             alpha: plan.alpha,
             lines,
@@ -91,6 +101,9 @@ mod tests {
         use LineStatus::{Blocked, Driven};
         let driven = [Driven, Blocked, Driven];
         assert_eq!(map(driven, 0.509).shortfall(), None);
+        let little = map(driven, 0.509).shortfall_to_the_letter().expect("more than 0.5");
+        assert!((little.hidden - 0.509).abs() < 1e-12);
+        assert_eq!(map(driven, 0.499).shortfall_to_the_letter(), None);
         let owed = map(driven, 1.5).shortfall().expect("1.5 m is more than 0.5");
         assert_eq!(
             owed.to_string(),

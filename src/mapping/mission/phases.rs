@@ -363,13 +363,13 @@ impl Mission {
         for kind in told {
             self.tell(kind, out);
         }
-        if let (true, Some(owed)) = (adjusted, self.map.shortfall())
+        if let (true, Some(owed)) = (adjusted, self.map.shortfall_to_the_letter())
             && self.went_on == 0
         {
             self.went_on += 1;
             self.tell(EventKind::GoesOn { diameter: owed.hidden }, out);
             self.survey.rebase();
-            let rest = Tour::of_the_rest(&self.settings, &self.map, &self.survey);
+            let rest = tour.of_the_rest(&self.settings, &self.map, &self.survey);
             self.tour(Box::new(rest), out);
             return;
         }

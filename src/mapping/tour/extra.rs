@@ -158,7 +158,7 @@ mod tests {
         let mut survey = Survey::new(0.003);
         survey.mark(settings.start.position, 0);
         let lines = map.plan.as_ref().map_or(0, |plan| plan.lines.len());
-        let mut tour = Tour::of_the_rest(&settings, &map, &survey);
+        let mut tour = Tour::new(&settings, &map, &survey).of_the_rest(&settings, &map, &survey);
         assert!((tour.share() - 1.0).abs() < 1e-9, "the plan itself is driven");
         let mut told = Vec::new();
         let rest =

@@ -25,7 +25,7 @@ mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed};
-pub use neck::{islands, mouths};
+pub use neck::{islands, mouths, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 
 use super::event::Failure;

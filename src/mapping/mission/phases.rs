@@ -283,15 +283,17 @@ impl Mission {
     fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
         let chassis = &self.settings.chassis;
         let (rest, islands) = shape::islands(outline, &self.map.contacts, &self.way, chassis);
-        for ring in islands {
-            let id = self.map.next_id();
-            let all = std::mem::take(&mut self.map.contacts);
-            let (contacts, walls) =
-                all.into_iter().partition(|c| ring.distance(c.point) < rest.distance(c.point));
-            self.map.contacts = walls;
-            let class = shape::class_of(&ring);
-            let object = MappedObject { id, class, outline: ring, closed: true, contacts };
-            self.map.objects.push(object);
+        // Each of them has the contacts that lie nearest to it, and the wall has the rest.
+        let (walls, own): (Vec<Contact>, Vec<Contact>) =
+            std::mem::take(&mut self.map.contacts).into_iter().partition(|contact| {
+                let off = |ring: &Ring| ring.distance(contact.point);
+                islands.iter().all(|ring| off(ring) >= off(&rest))
+            });
+        self.map.contacts = walls;
+        let parts = shape::shared_out(&own, &islands);
+        for (outline, contacts) in islands.into_iter().zip(parts) {
+            let (id, class) = (self.map.next_id(), shape::class_of(&outline));
+            self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
             self.tell(EventKind::ObjectApart { id }, out);
         }
         rest

@@ -242,8 +242,10 @@ fn nearest(labels: &[Option<usize>], grid: &Grid, p: Point) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::neck::told_apart;
     use super::*;
     use crate::geometry::Pose;
+    use crate::geometry::Ring;
     use crate::mapping::wall::Wall;
     use crate::robot::SwitchSet;
 
@@ -332,6 +334,24 @@ mod tests {
         }
         let worn: Vec<Vec<Contact>> = parts.into_iter().map(worn).collect();
         assert!(!are_one(&worn, wall.strokes(), &Chassis::default()));
+    }
+
+    #[test]
+    fn legs_that_were_gone_round_as_part_of_a_room_are_two_as_well() {
+        let (contacts, wall) = gone_round(&LEGS);
+        // By its outline it is one thing, round everything.
+        let ((x0, y0), (x1, y1)) = (LEGS[0].0, LEGS[1].1);
+        let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
+        let island = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let chassis = Chassis::default();
+        let rings = told_apart(island.clone(), &contacts, wall.strokes(), &chassis);
+        let [one, other] = &rings[..] else { panic!("two legs: {rings:?}") };
+        for (leg, (low, high)) in [one, other].into_iter().zip(LEGS) {
+            let middle = nalgebra::center(&Point::new(low.0, low.1), &Point::new(high.0, high.1));
+            assert!((leg.middle() - middle).norm() < 0.01, "{leg:?}");
+        }
+        // Had nobody kept the way, nothing would be known of what is between them.
+        assert_eq!(told_apart(island.clone(), &contacts, &[], &chassis), [island]);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! ([`super::divide`]).
 
 use super::gap::Gap;
-use super::object::object_outline;
+use super::object::{necked, object_outline};
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, cross};
 use crate::mapping::map::{Contact, ContactKind};
@@ -88,10 +88,27 @@ pub fn islands(
                 .filter(|c| island.distance(c.point) < outline.distance(c.point))
                 .copied()
                 .collect();
-            found.extend(apart(island, &own, strokes, chassis));
+            found.extend(told_apart(island, &own, strokes, chassis));
         }
     }
     (outline, found)
+}
+
+/// The outlines of the things of which `island`, on which `contacts` were made on the way of `strokes`, is
+/// made up: floor that was looked at parts them ([`super::divide`]), or only untouched chords join them.
+pub(super) fn told_apart(
+    island: Ring,
+    contacts: &[Contact],
+    strokes: &[Stroke],
+    chassis: &Chassis,
+) -> Vec<Ring> {
+    match super::divide::divided(contacts, strokes, chassis) {
+        Some(parts) => {
+            let things = parts.into_iter().flat_map(|part| necked(part, strokes, chassis));
+            things.map(|thing| thing.outline).collect()
+        }
+        None => apart(island, contacts, strokes, chassis),
+    }
 }
 
 /// The things that only untouched chords join into the one of `outline`, which was gone round from
@@ -122,7 +139,8 @@ pub(super) fn apart(
 }
 
 /// Those of the `contacts` that lie nearest to each of `rings`.
-pub(super) fn shared_out(contacts: &[Contact], rings: &[Ring]) -> Vec<Vec<Contact>> {
+#[must_use]
+pub fn shared_out(contacts: &[Contact], rings: &[Ring]) -> Vec<Vec<Contact>> {
     let mut parts = vec![Vec::new(); rings.len()];
     for contact in contacts {
         let off = |k: &usize| rings[*k].distance(contact.point);

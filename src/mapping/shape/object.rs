@@ -100,7 +100,7 @@ pub fn things(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> 
 }
 
 /// The same of what no floor that was seen parts: things that only untouched chords join are several.
-fn necked(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
+pub(super) fn necked(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
     let (outline, class) = object_outline(&contacts, true);
     if class != ObjectClass::Concave {
         return vec![Thing { outline, class, contacts }];

@@ -12,7 +12,8 @@
 //! lies on its surface. What surface that is, is taken from the map: at first from farther off, for where the
 //! robot had doubted its place everything it saw was off together, then closer, as it fits better ([`WITHIN`];
 //! iterative closest point, Chen and Medioni 1992, from coarse to fine). `record` keeps the observations,
-//! `dither` says how much those on the way tell, `surface` the unknown surfaces, `equation` writes the equations, `chain` solves them.
+//! `dither` says how much those on the way tell, `surface` keeps the unknown surfaces, `equation` writes the
+//! equations, `chain` solves them.
 //!
 //! It refuses to know what becomes of the map: it says where the robot was, and how a contact follows.
 

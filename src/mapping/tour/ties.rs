@@ -235,3 +235,45 @@ impl Tour {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Ring;
+    use crate::mapping::map::{MappedObject, ObjectClass, RoomMap};
+    use crate::mapping::shape;
+    use crate::mapping::survey::Hung;
+    use crate::robot::Chassis;
+
+    /// From which places on a box what stands above it is felt for: a wall that rises by `slope` from left to
+    /// right, at least 1.5 m off it, in a room of 4 m.
+    fn felt_above(slope: f64) -> Vec<Span> {
+        let height = |x: f64| 2.0 + slope * x;
+        let ring =
+            |corners: [(f64, f64); 4]| Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let room = ring([(0.0, 0.0), (4.0, 0.0), (4.0, height(4.0)), (0.0, height(0.0))]);
+        let thing = ring([(0.4, 0.4), (1.0, 0.4), (1.0, 0.8), (0.4, 0.8)]);
+        let chassis = Chassis::default();
+        let mut survey = Survey::new(0.003);
+        survey.mark(Point::origin(), 0);
+        let shape = shape::identify(room.clone(), &[]);
+        let mut chart = Chart::new(&RoomMap { shape: Some(shape), ..RoomMap::default() }, &survey);
+        let tie = survey.mark(Point::new(0.7, 0.2), 1);
+        let (class, outline, contacts) = (ObjectClass::Rectangle, thing.clone(), Vec::new());
+        let object = MappedObject { id: 1, class, outline, closed: true, contacts };
+        chart.add(&object, Hung::Once(tie));
+        let floor = Floor::new(&room, &[&thing], &chassis, Point::new(2.0, 1.0));
+        let found = spans(&chart, &floor, &survey, chassis.radius);
+        found.into_iter().filter(|span| span.along.y > 0.9).collect()
+    }
+
+    #[test]
+    fn walls_that_run_askance_are_felt_for_and_those_that_run_away_are_not() {
+        let (level, askance, away) = (felt_above(0.0), felt_above(0.6), felt_above(1.2));
+        assert_eq!((level.len(), askance.len(), away.len()), (2, 2, 0));
+        for (flat, steep) in level.iter().zip(&askance) {
+            assert!((flat.at - steep.at).norm() < 1e-9);
+            assert!(flat.length < 1.2 && steep.length > flat.length + 0.1, "{steep:?}");
+        }
+    }
+}

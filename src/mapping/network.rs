@@ -160,7 +160,7 @@ impl Network {
         let rests = self.rests.as_slice();
         let before = self.believed(given);
         // What was seen on a motion that has not ended hangs on nothing yet.
-        let placed = |glance: &Glance| Some((*glance, glance.share(rests)?.among(&before)));
+        let placed = |glance: &Glance| Some((*glance, glance.reading.share(rests)?.among(&before)));
         let (glances, poses): (Vec<Glance>, Vec<Pose>) =
             self.glances.iter().filter_map(placed).unzip();
         let passed = weighed(&self.passed, rests, given.tick);
@@ -185,7 +185,7 @@ impl Network {
             return None;
         }
         let at = |glance: &Glance| {
-            let pose = glance.share(rests)?.among(&after);
+            let pose = glance.reading.share(rests)?.among(&after);
             Some(((glance.reading.time_us, glance.sensor), pose))
         };
         let moved = |(rest, (before, after)): (&Rest, (&Pose, &Pose))| Moved {

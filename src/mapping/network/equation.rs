@@ -86,7 +86,7 @@ impl Unknowns {
         let (mut count, mut sum) = (0, 0.0);
         for (glance, surface) in read.glances.iter().zip(&surfaces.of) {
             let Some(surface) = *surface else { continue };
-            let Some(share) = glance.share(read.rests) else { continue };
+            let Some(share) = glance.reading.share(read.rests) else { continue };
             let pose = share.among(&self.poses);
             let arm = glance.arm + glance.towards() * self.reach[glance.sensor];
             let point = pose.position + pose.rotate(arm);
@@ -276,7 +276,7 @@ impl Robot {
         surfaces: &Surfaces,
         rough: bool,
     ) -> Option<Equation> {
-        let share = glance.share(rests)?;
+        let share = glance.reading.share(rests)?;
         let (from, to) = (share.from, share.from + 1);
         let pose = share.among(&at.poses);
         let towards = pose.rotate(glance.towards());

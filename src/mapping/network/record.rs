@@ -105,11 +105,6 @@ impl Glance {
     pub(super) fn towards(&self) -> Vector {
         self.arm.try_normalize(1e-9).unwrap_or_else(Vector::zeros)
     }
-
-    /// Between which of `rests` it was; none where the robot had not come to rest since.
-    pub(super) fn share(&self, rests: &[Rest]) -> Option<Share> {
-        self.reading.share(rests)
-    }
 }
 
 impl Share {

@@ -1,12 +1,12 @@
 //! Tying objects to the walls: when the plan is driven, what is not yet known well enough to lie where
 //! it lies is measured from what it stands beside.
 //!
-//! Between two faces that look at each other the robot goes to and fro, forwards until the switch in
-//! front closes and backwards until the one behind does. Each way measures the distance between them
-//! anew, and since what the wheels are off by differs from one motion to the next, a few short ways
-//! say what one long line across the room cannot. Surveyors tie detail points to their control points
-//! in the same way. Which faces are measured is chosen by what the survey believes: where most is
-//! learnt for the metres it costs.
+//! Between two faces that look at each other, straight or askance, the robot goes to and fro, forwards
+//! until the switch in front closes and backwards until the one behind does. Each way measures the
+//! distance between them anew, and since what the wheels are off by differs from one motion to the
+//! next, a few short ways say what one long line across the room cannot. Surveyors tie detail points to
+//! their control points in the same way. Which faces are measured is chosen by what the survey
+//! believes: where most is learnt for the metres it costs.
 
 use super::drive::{Drive, Purpose};
 use super::{Doing, ROOM, Scene, Tour};

@@ -285,15 +285,18 @@ impl Wall {
             points.iter().map(|p| stretch.along.dot(&(p - stretch.at)).abs()).fold(0.0, f64::max);
         (spread > around.spread && stretch.residual < around.residual).then_some(stretch)
     }
+
     /// The robot, at `pose`, goes no farther into a gap: what it saw beyond keeps it off, but is no part
     /// of the floor's outline. From the other side of the gap the same may be seen again, and an
-    /// outline through both would cross itself.
+    /// outline through both would cross itself. What it saw when it was on the other side itself stays.
     pub fn leave_beyond(&mut self, pose: Pose) {
         let ahead = pose.direction();
+        let is_beyond = |p: Point| (p - pose.position).dot(&ahead) > BEYOND;
         for &index in &self.near {
             let seen = &mut self.log[index];
-            let off = seen.point - pose.position;
-            if off.dot(&ahead) > BEYOND && off.norm() < NEIGHBOURHOOD && seen.sensor.is_some() {
+            let near = (seen.point - pose.position).norm() < NEIGHBOURHOOD;
+            let from_here = is_beyond(seen.point) && !is_beyond(seen.pose.position);
+            if near && from_here && seen.sensor.is_some() {
                 seen.kind = ContactKind::Touch;
             }
         }
@@ -331,5 +334,22 @@ mod tests {
         let seen = wall.observe(&edge(false), pose, Turning::No, 0.55);
         assert_eq!(seen.kind, ContactKind::Edge);
         assert!((seen.point - Point::new(0.55, 0.16)).norm() < 1e-9, "{}", seen.point);
+    }
+
+    #[test]
+    fn where_the_robot_turns_back_it_leaves_what_it_saw_ahead_and_not_what_it_saw_from_there() {
+        let chassis = Chassis::default();
+        let front = chassis.sensor_towards(0.0, 0.1).expect("a switch ahead");
+        let mut wall = Wall::new(&chassis);
+        let odometer = Odometer { time_us: 0, left_ticks: 0, right_ticks: 0, heading: 0.0 };
+        let edge = Edge { sensor: front, rising: true, odometer };
+        // From beyond the gap; on the way into it, to the side; and where it turns back.
+        let from = [(0.6, angle::PI), (-0.1, angle::FRAC_PI_2), (0.1, 0.6)];
+        for (k, (x, heading)) in from.into_iter().enumerate() {
+            wall.observe(&edge, Pose::new(x, 0.0, heading), Turning::No, 0.3 * k as f64);
+        }
+        wall.leave_beyond(Pose::new(0.1, 0.0, 0.0));
+        let kinds: Vec<ContactKind> = wall.log().iter().map(|seen| seen.kind).collect();
+        assert_eq!(kinds, [ContactKind::Range, ContactKind::Range, ContactKind::Touch]);
     }
 }

@@ -1,9 +1,11 @@
 //! Things told apart by the floor between them: the robot does not fit through, but its beams have looked
-//! into the gap from both sides, and met nothing. What no such floor parts is one thing. Knows contacts and
-//! the robot's way, and no outlines.
+//! into the gap from both sides, and met nothing. What no such floor parts is one thing; and so is what stands
+//! nearer together than the body would come between ([`super::gap`]). Knows contacts and the robot's way.
 
+use super::gap::Gap;
+use super::object::object_outline;
 use crate::geometry::raster::Grid;
-use crate::geometry::{Point, Vector, angle};
+use crate::geometry::{Point, Ring, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
 use crate::mapping::wall::{Stroke, swept};
 use crate::robot::Chassis;
@@ -79,6 +81,15 @@ pub(super) fn divided(
         return None;
     }
     let of = Unswept::beside(contacts, strokes, chassis)?.pieces(contacts, THIN);
+    let of = as_one(shared_out(contacts, &of)?, contacts, chassis);
+    let parts: Vec<Vec<Contact>> = grouped(contacts, &of).into_values().collect();
+    let whole = parts.iter().all(|part| widest_unseen(part) < MOST_UNSEEN);
+    (parts.len() > 1 && whole).then_some(parts)
+}
+
+/// Of which piece each of the `contacts` is, when `of` tells it for those that lie on one: the others are of
+/// that of their nearest neighbour, and so are the few on what is no thing. None where all are of one.
+fn shared_out(contacts: &[Contact], of: &[Option<usize>]) -> Option<Vec<usize>> {
     let mut counts = BTreeMap::<usize, usize>::new();
     for piece in of.iter().flatten() {
         *counts.entry(*piece).or_default() += 1;
@@ -87,23 +98,46 @@ pub(super) fn divided(
     if counts.len() < 2 {
         return None;
     }
-    // What is of none of them is of that of its nearest neighbour.
     let sure: Vec<(Point, usize)> = contacts
         .iter()
-        .zip(&of)
+        .zip(of)
         .filter_map(|(contact, piece)| Some((contact.point, (*piece)?)))
         .filter(|(_, piece)| counts.contains_key(piece))
         .collect();
-    let mut parts: BTreeMap<usize, Vec<Contact>> = BTreeMap::new();
-    for (contact, piece) in contacts.iter().zip(&of) {
+    let piece_of = |(contact, piece): (&Contact, &Option<usize>)| {
         let off = |p: Point| (p - contact.point).norm();
         let beside = || sure.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).map(|it| it.1);
-        let piece = piece.filter(|piece| counts.contains_key(piece)).or_else(beside)?;
-        parts.entry(piece).or_default().push(*contact);
+        piece.filter(|piece| counts.contains_key(piece)).or_else(beside)
+    };
+    contacts.iter().zip(of).map(piece_of).collect()
+}
+
+/// The `contacts` of each of the pieces that they are `of`.
+fn grouped(contacts: &[Contact], of: &[usize]) -> BTreeMap<usize, Vec<Contact>> {
+    let mut parts = BTreeMap::<usize, Vec<Contact>>::new();
+    for (contact, piece) in contacts.iter().zip(of) {
+        parts.entry(*piece).or_default().push(*contact);
     }
-    let parts: Vec<Vec<Contact>> = parts.into_values().map(in_order).collect();
-    let whole = parts.iter().all(|part| widest_unseen(part) < MOST_UNSEEN);
-    whole.then_some(parts)
+    parts.into_iter().map(|(piece, part)| (piece, in_order(part))).collect()
+}
+
+/// The pieces that the `contacts` are `of`, those as one between which the body would not come
+/// ([`super::gap`]), though a beam looked through.
+fn as_one(of: Vec<usize>, contacts: &[Contact], chassis: &Chassis) -> Vec<usize> {
+    let outlined = |(piece, part): (usize, Vec<Contact>)| (piece, object_outline(&part, true).0);
+    let rings: Vec<(usize, Ring)> = grouped(contacts, &of).into_iter().map(outlined).collect();
+    let free = |p: Point| rings.iter().all(|(_, ring)| !ring.contains(p));
+    let mut stands_for: BTreeMap<usize, usize> = rings.iter().map(|(k, _)| (*k, *k)).collect();
+    for (k, (one, ring)) in rings.iter().enumerate() {
+        for (other, beside) in &rings[k + 1..] {
+            let apart = |gap: Gap| gap.is_passed(chassis) || gap.is_swept(free, chassis);
+            if !Gap::between(ring, beside).is_some_and(apart) {
+                let (kept, gone) = (stands_for[one], stands_for[other]);
+                stands_for.values_mut().filter(|piece| **piece == gone).for_each(|it| *it = kept);
+            }
+        }
+    }
+    of.iter().map(|piece| stands_for[piece]).collect()
 }
 
 /// Whether `contacts` lie on their surfaces well enough to tell how far the beams of their switches reach.
@@ -245,7 +279,6 @@ mod tests {
     use super::super::neck::told_apart;
     use super::*;
     use crate::geometry::Pose;
-    use crate::geometry::Ring;
     use crate::mapping::wall::Wall;
     use crate::robot::SwitchSet;
 
@@ -361,6 +394,18 @@ mod tests {
         let contacts = worn(contacts);
         let (left, right) = contacts.iter().partition(|contact| contact.point.x < 0.0);
         assert!(are_one(&[left, right], wall.strokes(), &Chassis::default()));
+    }
+
+    #[test]
+    fn legs_between_which_the_body_would_not_come_are_one() {
+        let near = [((-0.08, -0.02), (-0.04, 0.02)), ((0.04, -0.02), (0.08, 0.02))];
+        let (contacts, wall) = gone_round(&near);
+        let chassis = Chassis::default();
+        let seen_apart = Unswept::beside(&contacts, wall.strokes(), &chassis)
+            .map(|unswept| unswept.pieces(&contacts, THIN).into_iter().flatten().collect())
+            .is_some_and(|pieces: BTreeSet<usize>| pieces.len() > 1);
+        assert!(seen_apart, "beams looked through");
+        assert_eq!(divided(&contacts, wall.strokes(), &chassis), None);
     }
 
     #[test]

@@ -51,6 +51,11 @@ impl Gap {
         (self.to - self.from).norm() < TOUCHING
     }
 
+    /// Whether the robot passes through it.
+    pub(super) fn is_passed(&self, chassis: &Chassis) -> bool {
+        (self.to - self.from).norm() > chassis.passable_gap()
+    }
+
     /// Whether the body sweeps a place of the gap from both sides, when it goes where the follower's
     /// disc goes, and a little deeper. `free` tells floor from things.
     pub(super) fn is_swept(&self, free: impl Fn(Point) -> bool, chassis: &Chassis) -> bool {
@@ -58,7 +63,7 @@ impl Gap {
         let across = self.to - self.from;
         let middle = nalgebra::center(&self.from, &self.to);
         let width = across.norm();
-        if self.is_closed() || width > chassis.passable_gap() {
+        if self.is_closed() || self.is_passed(chassis) {
             return false;
         }
         if width > 2.0 * body + UNSURE {

@@ -12,6 +12,7 @@ use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
+use crate::mapping::map::Contact;
 use crate::mapping::survey::worse;
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 use nalgebra::Matrix2;
@@ -29,6 +30,10 @@ const LOOSE_UNDER_WAY: f64 = 0.10;
 const GAP: f64 = 0.04;
 /// Shorter walls are not trusted with it, metres.
 const LEAST_WALL: f64 = 0.3;
+/// A wall was touched at least so often, as near as this to where it runs and farther from its ends, metres:
+/// what nobody has touched closes a gap, and behind it is floor.
+const TOUCHES: usize = 2;
+const TOUCHED: f64 = 0.03;
 /// How far the way to a corner may be, metres, and how much is driven at least between two stops.
 const FARTHEST: f64 = 8.0;
 const BETWEEN: f64 = 6.0;
@@ -124,17 +129,30 @@ impl Feeling {
     }
 }
 
-/// Where two straight walls of `outline` (counter-clockwise) meet so that the robot, at a gap from
-/// both, sees both.
-fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Spot> {
+/// Whether `piece` is a straight wall, long enough to be trusted, that `contacts` were made on.
+fn is_wall(piece: &Piece, contacts: &[Contact]) -> bool {
+    let (from, along) = (piece.from(), piece.tangent(0.5));
+    let between = TOUCHED..piece.length() - TOUCHED;
+    let on_it = |contact: &&Contact| {
+        between.contains(&along.dot(&(contact.point - from)))
+            && piece.distance(contact.point) < TOUCHED
+    };
+    matches!(piece, Piece::Line { .. })
+        && piece.length() > LEAST_WALL
+        && contacts.iter().filter(on_it).take(TOUCHES).count() == TOUCHES
+}
+
+/// Where two straight walls of `outline` (counter-clockwise), on which `contacts` were made, meet so that the
+/// robot, at a gap from both, sees both.
+fn corners(outline: &Ring, contacts: &[Contact], floor: &Floor, radius: f64) -> Vec<Spot> {
     let count = outline.pieces.len();
     (0..count)
         .filter_map(|k| {
             let (before, after) = (outline.pieces[k], outline.pieces[(k + 1) % count]);
-            let straight = |p: &Piece| matches!(p, Piece::Line { .. }) && p.length() > LEAST_WALL;
             let (first, second) = (before.tangent(1.0), after.tangent(0.0));
             let turn = angle::wrap(angle::of(second) - angle::of(first)).to_degrees();
-            if !straight(&before) || !straight(&after) || !(50.0..120.0).contains(&turn) {
+            let walls = || is_wall(&before, contacts) && is_wall(&after, contacts);
+            if !(50.0..120.0).contains(&turn) || !walls() {
                 return None;
             }
             let (n, m) = (perp(first), perp(second));
@@ -156,12 +174,18 @@ fn corners(outline: &Ring, floor: &Floor, radius: f64) -> Vec<Spot> {
         .collect()
 }
 
-/// Where the robot, at a gap from a straight wall of `outline`, can go along it for long enough that
-/// two looks at it say how it heads: beside each, as near to `near` as may be.
-fn beside_walls(outline: &Ring, floor: &Floor, radius: f64, near: Point) -> Vec<Spot> {
+/// Where the robot, at a gap from a straight wall of `outline`, on which `contacts` were made, can go along it
+/// for long enough that two looks at it say how it heads: beside each, as near to `near` as may be.
+fn beside_walls(
+    outline: &Ring,
+    contacts: &[Contact],
+    floor: &Floor,
+    radius: f64,
+    near: Point,
+) -> Vec<Spot> {
     let room = radius + GAP - 0.01;
-    let straight = outline.pieces.iter().filter(|piece| matches!(piece, Piece::Line { .. }));
-    straight
+    let walls = outline.pieces.iter().filter(|piece| is_wall(piece, contacts));
+    walls
         .filter_map(|wall| {
             let (along, length) = (wall.tangent(0.5), wall.length());
             let last = length - radius - BEYOND - APART;
@@ -214,8 +238,9 @@ impl Tour {
         let radius = self.chassis.radius;
         let outline = self.chart.outline().clone();
         let floor = self.floor(at);
-        let mut spots = corners(&outline, floor, radius);
-        spots.extend(beside_walls(&outline, floor, radius, at));
+        let contacts = &scene.map.contacts;
+        let mut spots = corners(&outline, contacts, floor, radius);
+        spots.extend(beside_walls(&outline, contacts, floor, radius, at));
         let cost = |spot: &Spot, way: f64| way + WORTH * spot.leaves(&spread);
         let straight = |spot: &Spot| cost(spot, (spot.at - at).norm());
         spots.sort_by(|a, b| straight(a).total_cmp(&straight(b)));
@@ -286,8 +311,27 @@ impl Tour {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
+    use crate::mapping::map::ContactKind;
 
     const FRONT: usize = 0;
+
+    #[test]
+    fn what_nobody_has_touched_is_no_wall_to_take_bearings_of() {
+        let wall = Piece::with_bulge(Point::new(0.0, 0.0), Point::new(1.0, 0.0), 0.0);
+        let contact = |x: f64, y: f64| Contact {
+            point: Point::new(x, y),
+            from: Point::new(x, 0.15),
+            sensor: Some(FRONT),
+            kind: ContactKind::Range,
+            time: 0.0,
+        };
+        assert!(is_wall(&wall, &[contact(0.2, 0.002), contact(0.7, -0.002)]));
+        // Corners of what stands beside a gap.
+        assert!(!is_wall(&wall, &[contact(0.0, 0.0), contact(0.01, 0.0), contact(0.99, 0.01)]));
+        assert!(!is_wall(&wall, &[contact(0.2, 0.1), contact(0.7, -0.1)]));
+        let short = Piece::with_bulge(Point::new(0.0, 0.0), Point::new(0.2, 0.0), 0.0);
+        assert!(!is_wall(&short, &[contact(0.08, 0.0), contact(0.12, 0.0)]));
+    }
 
     fn rest(heading: f64, closed: bool, reason: DoneReason) -> AtRest {
         let closed = if closed { SwitchSet::only(FRONT) } else { SwitchSet::EMPTY };

@@ -3,7 +3,48 @@
 
 use crate::geometry::{Point, angle};
 use crate::mapping::floor::Floor;
+use crate::mapping::map::LineReason;
 use std::collections::VecDeque;
+
+/// A line is looked at in steps of this, metres.
+const STEP: f64 = 0.01;
+/// Less of a line than this is not missed where a wall leaves no room for it, metres: the walls are known a
+/// little better by then than when it was planned, and it may run along one.
+const NOT_MISSED: f64 = 0.15;
+
+/// What of a line was not driven, and why.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LeftOut {
+    /// Metres for which a wall leaves no room.
+    by_wall: f64,
+    /// Something stands on it.
+    by_object: bool,
+    /// No way leads to a piece of it.
+    cut_off: bool,
+}
+
+impl LeftOut {
+    /// A piece to which no way leads.
+    pub(super) fn cut_off(&mut self) {
+        self.cut_off = true;
+    }
+
+    /// Whether there is anything of it.
+    pub(super) fn is_some(&self) -> bool {
+        self.cut_off || self.by_object || self.by_wall > 0.0
+    }
+
+    /// Why the line was not driven from end to end; none when what is left out is not missed.
+    pub(super) fn reason(&self) -> Option<LineReason> {
+        if self.by_object {
+            Some(LineReason::ObjectOnLine)
+        } else if self.cut_off {
+            Some(LineReason::Unreachable)
+        } else {
+            (self.by_wall > NOT_MISSED).then_some(LineReason::NoClearance)
+        }
+    }
+}
 
 /// What the way points in hand lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +82,7 @@ pub(super) struct Drive {
     pub(super) left_open: u32,
     /// How often bearings were taken in the middle of it.
     pub(super) stops: u32,
-    pub(super) skipped: bool,
+    pub(super) left_out: LeftOut,
     pub(super) way: VecDeque<Point>,
     /// The same line again from the other end: an object was met (two-pass contour).
     pub(super) again: bool,
@@ -62,7 +103,7 @@ impl Drive {
             bumps: 0,
             left_open: 0,
             stops: 0,
-            skipped: false,
+            left_out: LeftOut::default(),
             way: VecDeque::new(),
             again: false,
             backwards: false,
@@ -76,6 +117,21 @@ impl Drive {
         if length < 1e-9 { self.from } else { self.from + (self.to - self.from) * (along / length) }
     }
 
+    /// Notes that the stretch from `begin` to `end`, metres along, is left out, for the body has no
+    /// `clearance` there.
+    pub(super) fn leave_out(&mut self, begin: f64, end: f64, floor: &Floor, clearance: f64) {
+        let steps = ((end - begin) / STEP).ceil().max(1.0);
+        let narrow = |k: u32| {
+            let p = self.at(begin + (end - begin) * f64::from(k) / steps);
+            floor.object_clearance(p) < clearance
+        };
+        if (0..=steps as u32).any(narrow) {
+            self.left_out.by_object = true;
+        } else {
+            self.left_out.by_wall += end - begin;
+        }
+    }
+
     /// The next stretch, from what is done on, in which the body has `clearance`: metres along.
     pub(super) fn free_piece(&self, floor: &Floor, clearance: f64) -> Option<(f64, f64)> {
         let length = (self.to - self.from).norm();
@@ -83,7 +139,7 @@ impl Drive {
             let fresh = self.done <= 0.0 && self.piece_end <= 0.0;
             return (fresh && floor.clearance(self.from) >= clearance).then_some((0.0, 0.001));
         }
-        let steps = (length / 0.01).ceil();
+        let steps = (length / STEP).ceil();
         let mut piece: Option<(f64, f64)> = None;
         for k in 0..=steps as u32 {
             let along = length * f64::from(k) / steps;
@@ -134,4 +190,45 @@ pub(super) fn best_chord(
             .find(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
             .map(|p| (p, p))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Ring;
+    use crate::robot::Chassis;
+
+    const CLEARANCE: f64 = 0.11;
+
+    fn block(low: (f64, f64), high: (f64, f64)) -> Ring {
+        let corners = [low, (high.0, low.1), high, (low.0, high.1)];
+        Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)))
+    }
+
+    /// Why a line along y = 1 of a room 4 m by 2 m, with a box on the floor beyond x = 3, is not driven
+    /// between the two places.
+    fn reason(begin: f64, end: f64) -> Option<LineReason> {
+        let (room, thing) = (block((0.0, 0.0), (4.0, 2.0)), block((3.0, 0.8), (3.3, 1.2)));
+        let floor = Floor::new(&room, &[&thing], &Chassis::default(), Point::new(1.0, 1.0));
+        let mut drive = Drive::new(1, Point::new(0.0, 1.0), Point::new(3.5, 1.0));
+        drive.leave_out(begin, end, &floor, CLEARANCE);
+        assert!(drive.left_out.is_some());
+        drive.left_out.reason()
+    }
+
+    #[test]
+    fn what_is_left_out_of_a_line_says_what_is_in_its_way() {
+        assert_eq!(reason(2.8, 3.4), Some(LineReason::ObjectOnLine));
+        assert_eq!(reason(0.0, 0.4), Some(LineReason::NoClearance));
+        // The line was planned to end where the wall is by now known to be a little nearer.
+        assert_eq!(reason(0.0, 0.08), None);
+    }
+
+    #[test]
+    fn a_piece_that_no_way_leads_to_is_cut_off() {
+        let mut left_out = LeftOut::default();
+        assert!(!left_out.is_some());
+        left_out.cut_off();
+        assert_eq!(left_out.reason(), Some(LineReason::Unreachable));
+    }
 }

@@ -8,8 +8,12 @@ use crate::mapping::event::EventKind;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
 use crate::mapping::map::{LineReason, LineStatus};
 use crate::mapping::survey::Survey;
+use crate::mapping::wall::Sighting;
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 use std::collections::VecDeque;
+
+/// Of a line that is not driven from end to end, no less than this is spoken of, metres.
+const NOTED: f64 = 0.05;
 
 impl Tour {
     pub(super) fn drive(
@@ -43,12 +47,13 @@ impl Tour {
                     return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
                 }
                 if drive.bumps >= MOST_BUMPS {
-                    self.end_line(
-                        &drive,
-                        LineStatus::Blocked,
-                        Some(LineReason::ObjectOnLine),
-                        scene,
-                    );
+                    let wall = |seen: Sighting| self.chart.distance(seen.point).1.is_none();
+                    let why = if seen.is_some_and(wall) {
+                        LineReason::NoClearance
+                    } else {
+                        LineReason::ObjectOnLine
+                    };
+                    self.end_line(&drive, LineStatus::Blocked, Some(why), scene);
                     return None;
                 }
                 self.doing = Doing::BackingOff(drive);
@@ -75,24 +80,22 @@ impl Tour {
                 Purpose::Line => {}
                 Purpose::Bearings => {
                     self.doing = Doing::Choosing;
-                    if !drive.skipped {
+                    if !drive.left_out.is_some() {
                         self.begin_to_feel(scene);
                     }
                     return None;
                 }
                 Purpose::Tie => {
                     self.doing = Doing::Choosing;
-                    if !drive.skipped {
+                    if !drive.left_out.is_some() {
                         self.begin_shuttle();
                     }
                     return None;
                 }
             }
-            if drive.skipped {
-                self.end_line(&drive, LineStatus::Blocked, Some(LineReason::ObjectOnLine), scene);
-            } else {
-                self.end_line(&drive, LineStatus::Driven, None, scene);
-            }
+            let why = drive.left_out.reason();
+            let status = if why.is_some() { LineStatus::Blocked } else { LineStatus::Driven };
+            self.end_line(&drive, status, why, scene);
             return None;
         }
         self.towards(drive, &scene.rest)
@@ -156,13 +159,13 @@ impl Tour {
         let floor = self.floor(at);
         for _ in 0..40 {
             let Some((begin, end)) = drive.free_piece(floor, clearance - 0.004) else {
-                if length - drive.done > 0.05 {
-                    drive.skipped = true;
+                if length - drive.done > NOTED {
+                    drive.leave_out(drive.done, length, floor, clearance);
                 }
                 return false;
             };
-            if begin - drive.done > 0.05 {
-                drive.skipped = true;
+            if begin - drive.done > NOTED {
+                drive.leave_out(drive.done, begin, floor, clearance);
             }
             let (first, last) = (drive.at(begin), drive.at(end));
             drive.done = begin;
@@ -177,7 +180,7 @@ impl Tour {
                 drive.aim = Aim::Way;
                 return true;
             }
-            drive.skipped = true;
+            drive.left_out.cut_off();
             drive.done = end + 0.01;
         }
         false

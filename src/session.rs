@@ -46,6 +46,7 @@ pub struct Session {
     until: Phase,
     progress: [PhaseProgress; 4],
     command: Option<(Command, &'static str)>,
+    done: Option<(Command, &'static str)>,
     events: VecDeque<Event>,
     source: String,
     heard: bool,
@@ -66,6 +67,7 @@ impl Session {
             until,
             progress: [PhaseProgress::default(); 4],
             command: None,
+            done: None,
             events: VecDeque::new(),
             source,
             heard: false,
@@ -147,7 +149,7 @@ impl Session {
         self.heard = true;
         self.version += 1;
         if !self.mission.is_moving() {
-            self.command = None;
+            self.done = self.command.take().or(self.done);
         }
         self.pass_on(outputs, out);
         self.go_on(out);
@@ -363,6 +365,7 @@ impl Session {
             latched: self.gate.is_latched(),
             robot: if self.heard { Known::Known(view) } else { Known::Unknown },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
+            done: self.done.map(|(command, why)| (command, why.to_owned())),
             map: self.mission.map_now(),
             settings: self.mission.settings().clone(),
             events: self.events.iter().cloned().collect(),

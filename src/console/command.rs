@@ -1,4 +1,4 @@
-//! The command line: `alpha 0.3`, `speed 50`, `export DIR`, and every action by its name. Owns
+//! The command line: `alpha=0.3`, `speed=50`, `export=DIR`, and every action by its name. Owns
 //! the grammar and its messages; what a command does is `update`'s business.
 //!
 //! The stop key stops the robot even while a command is typed, and by default that key is the

@@ -43,6 +43,7 @@ impl Regions {
         let phase_rows = if rows >= 34 { 2 } else { 1 };
         let log_at_side = cols >= 150 && rows >= 44;
         let panel_cols = match cols {
+            190.. => 64,
             150.. => 50,
             110.. => 38,
             76.. => 29,

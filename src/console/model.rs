@@ -39,25 +39,56 @@ pub enum Overlay {
     Line(String),
     /// The question whether to leave although the robot moves.
     ConfirmQuit,
+    /// The question whether to end the run here.
+    ConfirmFinish,
+}
+
+/// Whether a layer of the map is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Layer {
+    /// As long as the run goes on: it tells what is done. What is handed over at the end is a map.
+    #[default]
+    UnderWay,
+    /// Always.
+    Shown,
+    /// Never.
+    Hidden,
+}
+
+impl Layer {
+    /// Whether it is shown, when the run is `over` or not.
+    #[must_use]
+    pub fn is_shown(self, over: bool) -> bool {
+        self == Self::Shown || (self == Self::UnderWay && !over)
+    }
+
+    /// The other way round from how it is.
+    pub fn toggle(&mut self, over: bool) {
+        *self = if self.is_shown(over) { Self::Hidden } else { Self::Shown };
+    }
 }
 
 /// What the map shows besides the walls, the objects and the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "each layer is shown or not, independently")]
 pub struct Layers {
     /// Contacts, where the outline is known already.
-    pub contacts: bool,
+    pub contacts: Layer,
     /// Where the robot went.
-    pub trajectory: bool,
+    pub trajectory: Layer,
     /// The lines of the plan.
-    pub plan: bool,
+    pub plan: Layer,
     /// The lines rejected from it.
-    pub rejected: bool,
+    pub rejected: Layer,
 }
 
 impl Default for Layers {
     fn default() -> Self {
-        Self { contacts: false, trajectory: true, plan: true, rejected: false }
+        Self {
+            contacts: Layer::Hidden,
+            trajectory: Layer::UnderWay,
+            plan: Layer::UnderWay,
+            rejected: Layer::Hidden,
+        }
     }
 }
 

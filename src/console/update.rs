@@ -9,6 +9,7 @@ use super::layout::Regions;
 use super::model::{Camera, Hint, Model, Overlay};
 use super::view::map::viewport;
 use crate::geometry::Vector;
+use crate::mapping::map::{LineStatus, PlanLine};
 use crate::mapping::tape::Tape;
 use crate::robot::Intent;
 use crate::session::snapshot::{Known, RunState, Snapshot};
@@ -35,6 +36,9 @@ const ALPHA_STEP: f64 = 0.05;
 const ZOOM: f64 = 1.25;
 /// The share of the view that one key pans.
 const PAN: f64 = 0.125;
+
+/// A robot that was not heard for so long is not told to drive on, seconds.
+const SILENT: f64 = 2.0;
 
 /// Whether leaving now would leave a moving robot behind.
 #[must_use]
@@ -76,6 +80,12 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             }
             tell(model, "staying".to_owned())
         }
+        Overlay::ConfirmFinish => {
+            if key.typed() == Some('y') {
+                return vec![Effect::Intent(Intent::Finish)];
+            }
+            tell(model, "the run is not ended".to_owned())
+        }
     }
 }
 
@@ -106,14 +116,19 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
             return go(model, snapshot, action);
         }
-        Action::AlphaDown => return set_alpha(model, snapshot.settings.alpha - ALPHA_STEP),
-        Action::AlphaUp => return set_alpha(model, snapshot.settings.alpha + ALPHA_STEP),
+        Action::AlphaDown => {
+            return set_alpha(model, snapshot, snapshot.settings.alpha - ALPHA_STEP);
+        }
+        Action::AlphaUp => return set_alpha(model, snapshot, snapshot.settings.alpha + ALPHA_STEP),
         Action::SlowDown => return set_speed(model, Speed::slower),
         Action::SpeedUp => return set_speed(model, Speed::faster),
         Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
         Action::LapAnew => return vec![Effect::Intent(Intent::LapAnew)],
         Action::Square => return vec![Effect::Intent(Intent::Square)],
-        Action::Finish => return vec![Effect::Intent(Intent::Finish)],
+        Action::Finish if snapshot.run.is_over() => {
+            return refuse(model, "the run is over already".to_owned());
+        }
+        Action::Finish => model.overlay = Overlay::ConfirmFinish,
         Action::ZoomIn | Action::ZoomOut | Action::Follow | Action::Fit => {
             look(model, snapshot, action);
         }
@@ -125,7 +140,7 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         | Action::ToggleTrajectory
         | Action::TogglePlan
         | Action::ToggleRejected
-        | Action::ToggleDetail => toggle(model, action),
+        | Action::ToggleDetail => toggle(model, snapshot, action),
         Action::LogUp => model.log_back = (model.log_back + 3).min(snapshot.events.len()),
         Action::LogDown => model.log_back = model.log_back.saturating_sub(3),
         Action::Help => model.overlay = Overlay::Help(0),
@@ -158,6 +173,11 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
         RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }
+    if let Known::Stale { age, .. } = snapshot.robot
+        && age > SILENT
+    {
+        return refuse(model, format!("the robot has not been heard for {age:.0} s"));
+    }
     let intent = match action {
         Action::StepCommand => Intent::StepCommand,
         Action::StepEvent => Intent::StepEvent,
@@ -168,9 +188,27 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     vec![Effect::Intent(intent)]
 }
 
-fn set_alpha(model: &mut Model, alpha: f64) -> Vec<Effect> {
+/// Whether α may still be changed: no line of the plan was begun.
+#[must_use]
+pub fn alpha_is_open(snapshot: &Snapshot) -> bool {
+    let begun = |line: &PlanLine| {
+        matches!(line.status, LineStatus::Driving | LineStatus::Driven | LineStatus::Blocked)
+    };
+    !snapshot.run.is_over()
+        && snapshot.map.plan.as_ref().is_none_or(|plan| !plan.lines.iter().any(begun))
+}
+
+fn set_alpha(model: &mut Model, snapshot: &Snapshot, alpha: f64) -> Vec<Effect> {
+    if !alpha_is_open(snapshot) {
+        let text = "α stays as it is: lines of this plan are driven already";
+        return refuse(model, text.to_owned());
+    }
     // Whole micrometres, so that steps up and down meet again.
     let alpha = ((alpha * 1e6).round() / 1e6).clamp(ALPHA.0, ALPHA.1);
+    if alpha == snapshot.settings.alpha {
+        tell(model, format!("α {alpha:.2} m: {}", alpha_means(alpha)));
+        return Vec::new();
+    }
     tell(model, format!("α {alpha:.2} m: {}", alpha_means(alpha)));
     vec![Effect::Intent(Intent::SetAlpha { alpha })]
 }
@@ -195,17 +233,23 @@ fn set_speed(model: &mut Model, change: impl Fn(Speed) -> Speed) -> Vec<Effect> 
     }
 }
 
-fn toggle(model: &mut Model, action: Action) {
-    let layers = &mut model.layers;
-    let switch = match action {
-        Action::ToggleContacts => &mut layers.contacts,
-        Action::ToggleTrajectory => &mut layers.trajectory,
-        Action::TogglePlan => &mut layers.plan,
-        Action::ToggleRejected => &mut layers.rejected,
-        _ => &mut model.log_detail,
+fn toggle(model: &mut Model, snapshot: &Snapshot, action: Action) {
+    let (layers, over) = (&mut model.layers, snapshot.run.is_over());
+    let layer = match action {
+        Action::ToggleContacts => Some(&mut layers.contacts),
+        Action::ToggleTrajectory => Some(&mut layers.trajectory),
+        Action::TogglePlan => Some(&mut layers.plan),
+        Action::ToggleRejected => Some(&mut layers.rejected),
+        _ => None,
     };
-    *switch = !*switch;
-    let state = if *switch { "shown" } else { "hidden" };
+    let shown = if let Some(layer) = layer {
+        layer.toggle(over);
+        layer.is_shown(over)
+    } else {
+        model.log_detail = !model.log_detail;
+        model.log_detail
+    };
+    let state = if shown { "shown" } else { "hidden" };
     tell(model, format!("{}: {state}", action.info().name));
 }
 
@@ -297,7 +341,7 @@ fn press_in_line(
 fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
     match command {
         Command::Action(action) => perform(model, snapshot, action),
-        Command::Alpha(alpha) => set_alpha(model, alpha),
+        Command::Alpha(alpha) => set_alpha(model, snapshot, alpha),
         Command::Tape(Tape { from, to, length }) => {
             vec![Effect::Intent(Intent::SetTape { from, to, length })]
         }

@@ -44,7 +44,7 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
     draw_rules(&regions, snapshot, theme, buf);
     let shown = map::viewport(&model.camera, snapshot, regions.map);
     map::draw(model, snapshot, shown, theme, regions.map, buf);
-    map::draw_title(model, shown, theme, &regions, buf);
+    map::draw_title(model, snapshot, shown, theme, &regions, buf);
     panel::draw(snapshot, theme, regions.panel, buf);
     log::draw(model, snapshot, theme, regions.log, buf);
     banner::draw(model, snapshot, theme, regions.map, buf);

@@ -24,6 +24,14 @@ pub enum RunState {
     Failed(Failure),
 }
 
+impl RunState {
+    /// Whether nothing more will be driven.
+    #[must_use]
+    pub fn is_over(self) -> bool {
+        matches!(self, Self::Complete | Self::Failed(_))
+    }
+}
+
 /// How far a step goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
@@ -100,6 +108,8 @@ pub struct Snapshot {
     pub robot: Known<RobotView>,
     /// The command in hand, and in words why it was chosen.
     pub command: Option<(Command, String)>,
+    /// Likewise the one before, once that is done.
+    pub done: Option<(Command, String)>,
     /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
     pub map: RoomMap,
     /// What the run was started with (α as it is now).
@@ -124,6 +134,7 @@ impl Snapshot {
             latched: false,
             robot: Known::Unknown,
             command: None,
+            done: None,
             map: RoomMap::default(),
             settings,
             events: Vec::new(),

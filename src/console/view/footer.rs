@@ -6,7 +6,7 @@ use crate::console::action::{ACTIONS, Action, ActionInfo};
 use crate::console::command::Command;
 use crate::console::model::{Model, Overlay};
 use crate::console::theme::{Role, Theme};
-use crate::console::update::may_move;
+use crate::console::update::{alpha_is_open, may_move};
 use crate::mapping::map::Phase;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
@@ -84,26 +84,35 @@ fn draw_entry(pen: &mut Pen<'_>, (keys, word): &Entry, x: u16, y: u16) -> u16 {
 /// Keys and words in the order of the table; neighbours with the same word become one.
 fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    for info in ACTIONS.iter().filter(|info| matters(info, snapshot)) {
+    for info in ACTIONS.iter().filter(|info| matters(info, model, snapshot)) {
         let key = model.keymap.label(info.action);
+        let word = word(info, snapshot);
         match entries.last_mut() {
             _ if key.is_empty() => {}
-            Some((keys, word)) if *word == info.footer => {
+            Some((keys, last)) if *last == word => {
                 keys.push(' ');
                 keys.push_str(&key);
             }
-            _ => entries.push((key, info.footer)),
+            _ => entries.push((key, word)),
         }
     }
     entries
 }
 
-fn matters(info: &ActionInfo, snapshot: &Snapshot) -> bool {
+/// What the footer calls it now: at the end a command line is of use for one thing above all.
+fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
+    match info.action {
+        Action::CommandLine if snapshot.run.is_over() => "export=DIR",
+        _ => info.footer,
+    }
+}
+
+fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     let stopped = snapshot.latched;
-    let over = matches!(snapshot.run, RunState::Complete | RunState::Failed(_));
+    let over = snapshot.run.is_over();
     !info.footer.is_empty()
         && match info.action {
-            Action::Stop => !stopped,
+            Action::Stop => !stopped && !over,
             Action::ClearStop => stopped,
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
                 !stopped && !over
@@ -113,6 +122,10 @@ fn matters(info: &ActionInfo, snapshot: &Snapshot) -> bool {
                 snapshot.run == RunState::Paused
                     && matches!(snapshot.phase, Phase::Shape | Phase::Plan)
             }
+            Action::AlphaDown | Action::AlphaUp => alpha_is_open(snapshot),
+            Action::SlowDown | Action::SpeedUp => !over && model.speed.is_some(),
+            // What the map at the end leaves out.
+            Action::ToggleTrajectory | Action::TogglePlan | Action::Square => over,
             _ => true,
         }
 }

@@ -1,6 +1,6 @@
 //! The log: what happened, when, how serious it is and why; newest at the bottom.
 
-use super::pen::{Pen, width};
+use super::pen::Pen;
 use super::words;
 use crate::console::model::Model;
 use crate::console::theme::{Role, Theme};
@@ -25,7 +25,7 @@ pub(super) fn draw(
     }
     let mut bottom = area.bottom();
     for event in events {
-        let lines = wrap(&event.kind.to_string(), area.width.saturating_sub(13));
+        let lines = words::wrap(&event.kind.to_string(), area.width.saturating_sub(13));
         for (index, line) in lines.iter().enumerate().rev() {
             if bottom == area.top() {
                 return;
@@ -48,22 +48,4 @@ fn draw_line(pen: &mut Pen<'_>, event: &Event, line: &str, first: bool, x: u16, 
         pen.text(x + 9, y, mark, role);
     }
     pen.text(x + 11, y, line, text_role);
-}
-
-/// `text` broken between words into lines of at most `room` columns; a longer word is left long
-/// and clipped.
-fn wrap(text: &str, room: u16) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let Some(line) = lines.last_mut() else { break };
-        if line.is_empty() {
-            line.push_str(word);
-        } else if width(line) + 1 + width(word) <= room {
-            line.push(' ');
-            line.push_str(word);
-        } else {
-            lines.push(word.to_owned());
-        }
-    }
-    lines
 }

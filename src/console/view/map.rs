@@ -2,7 +2,7 @@
 //! camera; the one place that decides what is drawn over what.
 
 use super::pen::Pen;
-use crate::console::canvas::viewport::Viewport;
+use crate::console::canvas::viewport::{DOTS_Y, Viewport};
 use crate::console::canvas::{Canvas, Pattern};
 use crate::console::layout::Regions;
 use crate::console::model::{Camera, Layers, Model};
@@ -28,7 +28,10 @@ pub fn viewport(camera: &Camera, snapshot: &Snapshot, area: Rect) -> Viewport {
         }
         Camera::Fit => {
             let (low, high) = extent(snapshot);
-            Viewport::fit(low, high, area.width, area.height)
+            // The lowest row is the scale's.
+            let view = Viewport::fit(low, high, area.width, area.height.saturating_sub(1).max(1));
+            let down = Vector::new(0.0, f64::from(DOTS_Y) / 2.0 * view.scale);
+            Viewport::new(view.center - down, view.scale, area.width, area.height)
         }
     }
 }
@@ -80,7 +83,8 @@ pub fn draw(
 
 fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     let map = &snapshot.map;
-    if layers.trajectory {
+    let over = snapshot.run.is_over();
+    if layers.trajectory.is_shown(over) {
         // Of points that are nearer to each other than a dot is wide, not all are needed.
         let stride = (canvas.view().scale / SPACING).clamp(1.0, 16.0) as usize;
         for stretch in stretches(&map.path) {
@@ -88,11 +92,10 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
             canvas.polyline(way.map(|point| point.pose.position), Role::Trajectory);
         }
     }
-    if layers.plan
-        && let Some(plan) = &map.plan
-    {
+    let with_plan = layers.plan.is_shown(over);
+    if with_plan && let Some(plan) = &map.plan {
         for line in &plan.lines {
-            draw_line(canvas, line, layers.rejected);
+            draw_line(canvas, line, layers.rejected.is_shown(over));
         }
     }
     canvas.point(snapshot.settings.start.position, Role::Start);
@@ -102,7 +105,7 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
         }
         canvas.ring(&shape.outline, Role::Wall);
     }
-    if map.shape.is_none() || layers.contacts {
+    if map.shape.is_none() || layers.contacts.is_shown(over) {
         for contact in &map.contacts {
             canvas.point(contact.point, Role::Contact);
         }
@@ -110,7 +113,10 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     for object in &map.objects {
         canvas.ring(&object.outline, Role::Object);
     }
-    if let (Some(at), Some(diameter)) = (map.hidden_at, map.hidden_disc) {
+    // At the end it is of interest only if the promise was not kept.
+    if let (Some(at), Some(diameter)) = (map.hidden_at, map.hidden_disc)
+        && (with_plan || map.shortfall().is_some())
+    {
         canvas.circle(at, diameter / 2.0, Role::HiddenDisc, Pattern::Sparse(2));
     }
 }
@@ -193,20 +199,26 @@ fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
     pen.text(x, row, &text, Role::Muted);
 }
 
-/// Writes the map's title into the rule above it.
+/// Writes the map's title into the rule above it: how large the room is, or how much of it one sees.
 pub fn draw_title(
     model: &Model,
+    snapshot: &Snapshot,
     view: Viewport,
     theme: &Theme,
     regions: &Regions,
     buf: &mut Buffer,
 ) {
-    let how = match model.camera {
-        Camera::Fit => "",
-        Camera::Follow { .. } => " · following",
-        Camera::Free { .. } => " · free view",
+    let seen = format!("{:.1} × {:.1} m seen", view.x_range(), view.y_range());
+    let room = snapshot.map.shape.as_ref().and_then(|shape| shape.outline.bounds());
+    let what = match (model.camera, room) {
+        (Camera::Fit, Some((low, high))) => {
+            format!("room {:.2} × {:.2} m", high.x - low.x, high.y - low.y)
+        }
+        (Camera::Fit, None) => seen,
+        (Camera::Follow { .. }, _) => format!("{seen} · following"),
+        (Camera::Free { .. }, _) => format!("{seen} · free view"),
     };
-    let title = format!(" map · {:.1} × {:.1} m{how} ", view.x_range(), view.y_range());
+    let title = format!(" map · {what} ");
     let mut pen = Pen::new(buf, theme, regions.top_rule);
     pen.text(regions.top_rule.x + 2, regions.top_rule.y, &title, Role::Title);
 }

@@ -35,28 +35,33 @@ fn draw_phase(pen: &mut Pen<'_>, snapshot: &Snapshot, phase: Phase, cell: Rect) 
     let x = pen.text(x + 1, cell.y, &name, if progress.done { Role::Text } else { role });
     if cell.height > 1 {
         let right = cell.right() - 2;
-        pen.text_right(right, cell.y, &cost(progress), Role::Muted);
+        // Where there is no room for all, the name is what tells them apart.
+        let room = usize::from(right.saturating_sub(x + 1));
+        if let Some(cost) = costs(progress).into_iter().find(|it| it.chars().count() <= room) {
+            pen.text_right(right, cell.y, &cost, Role::Muted);
+        }
         draw_bar(pen, cell.x + 1, cell.y + 1, cell.width - 3, progress, current);
     } else if current {
         let room = cell.right().saturating_sub(x + 2);
         draw_bar(pen, x + 1, cell.y, room, progress, current);
     } else if progress.done {
         // Where there is no room for both, the name is what tells them apart.
-        let time = words::clock(progress.seconds);
-        if time.len() <= usize::from(cell.right().saturating_sub(x + 2)) {
+        let room = usize::from(cell.right().saturating_sub(x + 2));
+        if let Some(time) = costs(progress).pop().filter(|time| time.len() <= room) {
             pen.text_right(cell.right() - 1, cell.y, &time, Role::Muted);
         }
     }
 }
 
-/// What a phase has cost so far; nothing for one that has not begun.
-fn cost(progress: &PhaseProgress) -> String {
+/// What a phase has cost so far, at length and in short; nothing for one in which the robot did nothing.
+fn costs(progress: &PhaseProgress) -> Vec<String> {
+    let time = words::clock(progress.seconds);
     if progress.travel > 0.0 {
-        format!("{}  {:.1} m", words::clock(progress.seconds), progress.travel)
-    } else if progress.done || progress.seconds > 0.0 {
-        words::clock(progress.seconds)
+        vec![format!("{time}  {:.1} m", progress.travel), time]
+    } else if progress.seconds >= 1.0 {
+        vec![time]
     } else {
-        String::new()
+        Vec::new()
     }
 }
 

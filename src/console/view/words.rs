@@ -1,6 +1,10 @@
 //! How values are written: the same words, units and digits everywhere on the screen.
 
+use super::pen::width;
 use crate::console::theme::Role;
+use crate::export::rectangle::measure;
+use crate::mapping::event::Failure;
+use crate::mapping::map::{MappedObject, ObjectClass};
 use crate::robot::{Command, command::Motion};
 use crate::session::snapshot::{RunState, Snapshot, Step};
 
@@ -13,6 +17,11 @@ pub(super) fn clock(seconds: f64) -> String {
 /// A small length: millimetres below 10 m, metres from there.
 pub(super) fn small(metres: f64) -> String {
     if metres.abs() < 10.0 { format!("{:.0} mm", metres * 1e3) } else { format!("{metres:.1} m") }
+}
+
+/// Two digits after the point, and no minus before a zero.
+pub(super) fn hundredths(value: f64) -> String {
+    format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0)
 }
 
 /// A count with its noun.
@@ -34,9 +43,37 @@ pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
             ("! NOT ALL SEEN", Role::Paused)
         }
         RunState::Complete => ("✓ COMPLETE", Role::Complete),
+        RunState::Failed(Failure::Ended) => ("■ ENDED", Role::Paused),
         RunState::Failed(_) => ("✗ FAILED", Role::Failed),
     };
     (format!(" {text} "), role)
+}
+
+/// How large an object is: across where it is round, else the sides of the smallest rectangle about it.
+pub(super) fn size(object: &MappedObject) -> String {
+    match (object.class, measure(&object.outline)) {
+        (_, None) => String::new(),
+        (ObjectClass::Circle, Some(size)) => format!("⌀ {:.2} m", size.length),
+        (_, Some(size)) => format!("{:.2} × {:.2} m", size.length, size.width),
+    }
+}
+
+/// `text` broken between words into lines of at most `room` columns; a longer word is left long
+/// and clipped.
+pub(super) fn wrap(text: &str, room: u16) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let Some(line) = lines.last_mut() else { break };
+        if line.is_empty() {
+            line.push_str(word);
+        } else if width(line) + 1 + width(word) <= room {
+            line.push(' ');
+            line.push_str(word);
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
 }
 
 /// A command in a few words.

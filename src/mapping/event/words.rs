@@ -1,7 +1,7 @@
 //! What happened, in the words of the log, and how much it should stand out.
 
 use super::{EventKind, Failure, Severity};
-use crate::mapping::map::{LineReason, Phase, ShapeClass};
+use crate::mapping::map::{LineReason, ObjectClass, Phase, ShapeClass};
 use crate::mapping::trust::Defect;
 use std::fmt;
 
@@ -59,6 +59,18 @@ impl fmt::Display for Phase {
             Self::Shape => "shape",
             Self::Plan => "plan",
             Self::Objects => "objects",
+        })
+    }
+}
+
+impl fmt::Display for ObjectClass {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Circle => "circle",
+            Self::Rectangle => "box",
+            Self::Convex => "convex",
+            Self::Concave => "concave",
+            Self::Open => "open",
         })
     }
 }
@@ -297,7 +309,11 @@ impl fmt::Display for EventKind {
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
             Self::ShapeFound { class, vertices, parts } => {
-                write!(f, "shape: {class}, {vertices} vertices, {parts} part(s)")
+                write!(f, "shape: {class}")?;
+                if *vertices > 0 {
+                    write!(f, ", {vertices} vertices")?;
+                }
+                if *parts == 1 { Ok(()) } else { write!(f, ", {parts} parts") }
             }
             Self::PlanMade { lines, length, hidden_disc } => write!(
                 f,

@@ -2,7 +2,7 @@
 //! contacts shown. Beside it what a terminal of that size costs to fill with blanks.
 
 use divan::{Bencher, black_box};
-use periplus::console::model::{Layers, Model};
+use periplus::console::model::{Layer, Layers, Model};
 use periplus::console::theme::Theme;
 use periplus::console::{Keymap, view};
 use periplus::geometry::{Point, Pose};
@@ -58,7 +58,7 @@ fn crowded() -> Snapshot {
 }
 
 fn drawn(bencher: Bencher<'_, '_>, snapshot: &Snapshot, size: (u16, u16)) {
-    let layers = Layers { contacts: true, ..Layers::default() };
+    let layers = Layers { contacts: Layer::Shown, ..Layers::default() };
     let model = Model { layers, ..Model::new(size.0, size.1, Keymap::default()) };
     let theme = Theme::colour();
     let area = Rect::new(0, 0, size.0, size.1);

@@ -261,6 +261,20 @@ fn objects(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What the shape was found to be; a circle has no vertices.
+fn shape(
+    f: &mut fmt::Formatter<'_>,
+    class: ShapeClass,
+    vertices: usize,
+    parts: usize,
+) -> fmt::Result {
+    write!(f, "shape: {class}")?;
+    if vertices > 0 {
+        write!(f, ", {vertices} vertices")?;
+    }
+    if parts == 1 { Ok(()) } else { write!(f, ", {parts} parts") }
+}
+
 /// What is measured to know better where the robot and the objects are.
 fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     let millimetres = |sd: &f64| sd * 1e3;
@@ -308,13 +322,7 @@ impl fmt::Display for EventKind {
             Self::ContactGained { by } => write!(f, "contact: {by}"),
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
-            Self::ShapeFound { class, vertices, parts } => {
-                write!(f, "shape: {class}")?;
-                if *vertices > 0 {
-                    write!(f, ", {vertices} vertices")?;
-                }
-                if *parts == 1 { Ok(()) } else { write!(f, ", {parts} parts") }
-            }
+            Self::ShapeFound { class, vertices, parts } => shape(f, *class, *vertices, *parts),
             Self::PlanMade { lines, length, hidden_disc } => write!(
                 f,
                 "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",

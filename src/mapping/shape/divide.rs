@@ -81,7 +81,7 @@ pub(super) fn divided(
         return None;
     }
     let of = Unswept::beside(contacts, strokes, chassis)?.pieces(contacts, THIN);
-    let of = as_one(shared_out(contacts, &of)?, contacts, chassis);
+    let of = as_one(&shared_out(contacts, &of)?, contacts, chassis);
     let parts: Vec<Vec<Contact>> = grouped(contacts, &of).into_values().collect();
     let whole = parts.iter().all(|part| widest_unseen(part) < MOST_UNSEEN);
     (parts.len() > 1 && whole).then_some(parts)
@@ -123,9 +123,9 @@ fn grouped(contacts: &[Contact], of: &[usize]) -> BTreeMap<usize, Vec<Contact>> 
 
 /// The pieces that the `contacts` are `of`, those as one between which the body would not come
 /// ([`super::gap`]), though a beam looked through.
-fn as_one(of: Vec<usize>, contacts: &[Contact], chassis: &Chassis) -> Vec<usize> {
+fn as_one(of: &[usize], contacts: &[Contact], chassis: &Chassis) -> Vec<usize> {
     let outlined = |(piece, part): (usize, Vec<Contact>)| (piece, object_outline(&part, true).0);
-    let rings: Vec<(usize, Ring)> = grouped(contacts, &of).into_iter().map(outlined).collect();
+    let rings: Vec<(usize, Ring)> = grouped(contacts, of).into_iter().map(outlined).collect();
     let free = |p: Point| rings.iter().all(|(_, ring)| !ring.contains(p));
     let mut stands_for: BTreeMap<usize, usize> = rings.iter().map(|(k, _)| (*k, *k)).collect();
     for (k, (one, ring)) in rings.iter().enumerate() {

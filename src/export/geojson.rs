@@ -1,9 +1,10 @@
 //! `map.geojson`: one feature collection in metres, in the map frame, that other programs (and
 //! whoever judges a map) read. It knows the roles of features and nothing of files.
 
-use super::reach::closing;
+use super::reach::{closing, felt};
 use super::{RunRecord, boundary, closed_positions, position, rounded, surface_points};
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, Ring};
+use crate::mapping::follow::clearance;
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine};
 use crate::mapping::settings::Strategy;
 use crate::mapping::unreached::Unreached;
@@ -24,6 +25,7 @@ pub fn write(record: &RunRecord<'_>) -> String {
 fn features(record: &RunRecord<'_>) -> Vec<Value> {
     let mut all = vec![start(record.settings.start)];
     all.extend(outline(record));
+    all.extend(walls(record));
     let radius = record.settings.chassis.radius;
     all.extend(record.map.objects.iter().flat_map(|thing| object(thing, radius)));
     all.extend(record.map.unreached.iter().map(gap));
@@ -65,12 +67,27 @@ fn start(pose: Pose) -> Value {
 }
 
 fn outline(record: &RunRecord<'_>) -> Option<Value> {
-    let known = boundary(record).and_then(|ring| closed_positions(&ring));
+    let reachable = boundary(record).map(|ring| sensed(record, &ring).unwrap_or(ring));
+    let known = reachable.and_then(|ring| closed_positions(&ring));
     if let Some(ring) = known {
         let more = json!({ "fitted": record.map.shape.is_some() });
         return Some(feature("boundary", "Polygon", json!([ring]), more));
     }
     open("boundary_open", &surface_points(record.map), json!({}))
+}
+
+/// The outline as far as switches see into its sharp corners; none when that is all of it.
+fn sensed(record: &RunRecord<'_>, ring: &Ring) -> Option<Ring> {
+    record.map.shape.as_ref()?;
+    felt(ring, clearance(&record.settings.chassis))
+}
+
+/// The walls to where they would meet, where the robot has not seen them meet.
+fn walls(record: &RunRecord<'_>) -> Option<Value> {
+    let ring = boundary(record)?;
+    sensed(record, &ring)?;
+    let ring = closed_positions(&ring)?;
+    Some(feature("boundary_fitted", "Polygon", json!([ring]), json!({})))
 }
 
 /// A gap that the robot does not pass, where it is narrowest.

@@ -35,9 +35,11 @@ impl Follower {
         if self.squeezing || !self.roles.wall.is_some_and(|wall| rest.closed.has(wall)) {
             return false;
         }
-        // As far ahead as it would back out.
-        let ahead = rest.pose.position + rest.pose.direction() * BACK_OUT;
-        !self.held.came_by(ahead) && self.held.refuses(rest.pose.position)
+        // As far ahead as it would back out, and as far behind.
+        let off = rest.pose.direction() * BACK_OUT;
+        let (ahead, behind) = (rest.pose.position + off, rest.pose.position - off);
+        let leads_on = self.held.comes_from(ahead) || self.held.went_through(behind, ahead);
+        !leads_on && self.held.refuses(rest.pose.position)
     }
 
     /// The gap that the robot refuses, between the wall at its hand and what `sensor` saw across, is closed

@@ -3,6 +3,7 @@
 //! decides.
 
 use super::{Ask, AtRest};
+use crate::geometry::segment::Segment;
 use crate::geometry::{Point, angle};
 use crate::robot::{DoneReason, Motion};
 use std::collections::VecDeque;
@@ -20,8 +21,12 @@ const MOST_BUMPS: u32 = 3;
 const KEPT: f64 = 20.0;
 /// Held, it leaves towards a place that it came from no nearer than this, metres.
 const WAY_OUT: f64 = 0.06;
-/// Nearer than this to a place that it came from it has been there, metres.
+/// Nearer than this to its way it has been at a place, metres.
 const SAME_WAY: f64 = 0.08;
+/// It went through a gap if it was on both sides of it within so much of its way, metres.
+const THROUGH: f64 = 0.6;
+/// From what lies no farther back on its way it came just now, metres.
+const LATELY: f64 = 1.0;
 /// Shares of the width of a gap at which it is barred.
 const BARS: [f64; 5] = [0.2, 0.35, 0.5, 0.65, 0.8];
 /// So far it must get, metres, before it has turned so many times round: more it needs in no dead end.
@@ -128,9 +133,24 @@ impl Held {
         Some(*from)
     }
 
-    /// Whether it came by `place` not long ago.
-    pub(super) fn came_by(&self, place: Point) -> bool {
-        self.trail.iter().any(|(p, _)| (p - place).norm() < SAME_WAY)
+    /// At which points of its way it came by `place`, as far as it remembers.
+    fn by(&self, place: Point) -> impl Iterator<Item = f64> {
+        let legs = self.trail.iter().zip(self.trail.iter().skip(1));
+        let near = move |((from, _), (to, _)): &(&(Point, f64), &(Point, f64))| {
+            Segment::new(*from, *to).distance_squared(place) < SAME_WAY * SAME_WAY
+        };
+        legs.filter(near).map(|(_, (_, way))| *way)
+    }
+
+    /// Whether it came from `place` just now.
+    pub(super) fn comes_from(&self, place: Point) -> bool {
+        self.by(place).any(|then| self.way - then < LATELY)
+    }
+
+    /// Whether it went from `one` to `other`, or back, not long ago, as through a gap. To have been at
+    /// either is not enough: it may have turned back between.
+    pub(super) fn went_through(&self, one: Point, other: Point) -> bool {
+        self.by(one).any(|then| self.by(other).any(|when| (when - then).abs() < THROUGH))
     }
 
     /// The gap between `here` and `there` is closed to it.
@@ -242,12 +262,31 @@ mod tests {
         for k in 0..300 {
             held.moves_on(Point::new(0.05 * f64::from(k), 0.0));
         }
-        assert!(held.came_by(Point::new(4.0, 0.05)));
-        assert!(!held.came_by(Point::new(4.0, 0.2)));
+        let by = |x: f64, y: f64| Point::new(x, y);
+        assert!(held.went_through(by(4.0, 0.05), by(4.3, 0.05)));
+        assert!(!held.went_through(by(4.0, 0.05), by(4.3, 0.2)));
+        assert!(held.comes_from(by(14.5, 0.0)) && !held.comes_from(by(4.0, 0.0)));
         assert!(held.bars().any(|bar| (bar - Point::new(0.0, 0.25)).norm() < 1e-9));
         for k in 300..500 {
             held.moves_on(Point::new(0.05 * f64::from(k), 0.0));
         }
-        assert!(!held.came_by(Point::new(4.0, 0.0)) && held.bars().next().is_none(), "long ago");
+        assert!(!held.went_through(by(4.0, 0.0), by(4.3, 0.0)), "long ago");
+        assert!(held.bars().next().is_none(), "long ago");
+    }
+
+    #[test]
+    fn a_robot_that_turned_back_in_a_gap_did_not_go_through() {
+        let mut held = Held::default();
+        // Down into the gap at the origin, and out again the way it came.
+        for y in [0.4, 0.3, 0.2, 0.1, 0.02, 0.1, 0.2, 0.3, 0.4] {
+            held.moves_on(Point::new(0.0, y));
+        }
+        let (above, below) = (Point::new(0.0, 0.12), Point::new(0.0, -0.12));
+        assert!(held.comes_from(above), "out of the gap it is let");
+        assert!(!held.went_through(below, above));
+        for y in [0.2, 0.0, -0.2] {
+            held.moves_on(Point::new(0.0, y));
+        }
+        assert!(held.went_through(below, above));
     }
 }

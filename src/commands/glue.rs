@@ -80,10 +80,11 @@ pub fn console(
     })?;
     let noise = common.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
-    let mut driver = SimulatedDriver::new(run);
+    let mut driver = SimulatedDriver::new(run.recorded_at(folder.journal()));
     let ended = on_screen(&mut driver, keymap)?;
+    let wall_seconds = driver.wall_seconds();
     let mut headless = Headless::left(driver.into_run());
-    let kept = Kept::unless(headless.write(&folder));
+    let kept = Kept::unless(headless.write(&folder, wall_seconds));
     let status = kept.status(0);
     say_recorded(&folder, &kept);
     Ok(status_of(ended, status))

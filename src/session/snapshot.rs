@@ -116,7 +116,7 @@ pub struct Snapshot {
     pub settings: Settings,
     /// The newest events, oldest first; as many as the log can show.
     pub events: Vec<Event>,
-    /// Bumper contacts so far.
+    /// Motions so far that the bumper or a stall ended.
     pub bumps: u32,
     /// What the robot is called: the world's name, or the port.
     pub source: String,

@@ -46,7 +46,7 @@ pub struct RunRecord<'a> {
     pub outcome: Outcome,
     /// Why, in words.
     pub reason: &'a str,
-    /// Name of the world or of the port.
+    /// What the map is called: what the operator said, or the name of the world or of the port.
     pub world: &'a str,
     /// Name of the noise profile; empty for a real robot.
     pub noise: &'a str,

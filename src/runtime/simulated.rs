@@ -189,7 +189,7 @@ impl<W: Write> SimulatedRun<W> {
             settings: mission.settings(),
             outcome: ending.outcome,
             reason: &ending.reason,
-            world: &self.header.source,
+            world: mission.settings().name.as_deref().unwrap_or(&self.header.source),
             noise: &self.header.noise,
             progress: *self.session.progress(),
             laps: mission.laps(),
@@ -290,7 +290,7 @@ impl<W: Write> Runner for Headless<W> {
         self.run.record_of(ending, wall_seconds)
     }
 
-    fn finish_journal(&mut self) -> std::io::Result<()> {
+    fn finish_journal(&mut self) -> io::Result<()> {
         self.run.journal.take().map_or(Ok(()), |journal| journal.finish().map(|_| ()))
     }
 }
@@ -306,13 +306,13 @@ mod tests {
     struct Disk(usize);
 
     impl Write for Disk {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             let left = self.0.checked_sub(bytes.len());
-            self.0 = left.ok_or_else(|| std::io::Error::from(std::io::ErrorKind::StorageFull))?;
+            self.0 = left.ok_or_else(|| io::Error::from(io::ErrorKind::StorageFull))?;
             Ok(bytes.len())
         }
 
-        fn flush(&mut self) -> std::io::Result<()> {
+        fn flush(&mut self) -> io::Result<()> {
             Ok(())
         }
     }

@@ -347,3 +347,22 @@ fn a_frame_of_a_record() {
     assert_eq!(text.lines().count(), 24);
     refused(&["snapshot", "--replay", dir, "--at", "99999", "--size", "80x24"], &["ends at"]);
 }
+
+#[test]
+fn a_calibration_tells_its_figures_and_where_the_body_is() {
+    let out = place("calibrated").join("run");
+    let to = out.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let output = periplus(&["calibrate", "--world", world, "--noise", "raw", "--out", to]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let body = fs::read_to_string(out.join("chassis.toml")).expect("a body");
+    let base = body.lines().find_map(|line| line.strip_prefix("wheel_base = ")).expect("a base");
+    let base = base.split(' ').next().unwrap_or_default();
+    for words in [&format!("wheel base: {base} ± "), "gyro scale", "not measured: give --tape", to]
+    {
+        assert!(said.contains(words), "no `{words}` in {said}");
+    }
+    assert!(said.contains("chassis.toml"), "{said}");
+    assert!(said.lines().last().is_some_and(|line| line.starts_with("complete: ")), "{said}");
+}

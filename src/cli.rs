@@ -15,7 +15,7 @@ pub use error::ArgumentError;
 use crate::mapping::map::Phase;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-pub use values::{Common, FrameSize};
+pub use values::{Common, FrameSize, MappingFlags, RobotFlags};
 
 /// Maps a room by touch, with a simulated or a real robot. Without a command it opens the console
 /// on a built-in world.
@@ -116,9 +116,9 @@ pub struct RobotArgs {
     /// What the line does to the bytes, e.g. drop=0.05,flip=0.01,double=0.01,swap=0.01,delay=0.2
     #[arg(long, value_name = "LIST")]
     pub faults: Option<String>,
-    /// What every run can be told.
+    /// The robot that is simulated.
     #[command(flatten)]
-    pub common: Common,
+    pub robot: RobotFlags,
 }
 
 /// Arguments of `replay`.
@@ -135,7 +135,7 @@ pub struct ReplayArgs {
 /// Arguments of `snapshot`.
 #[derive(Debug, Clone, Args)]
 pub struct SnapshotArgs {
-    /// World file for the simulator: TOML or GeoJSON
+    /// World file for the simulator: TOML or GeoJSON; needs --until
     #[arg(
         long,
         value_name = "FILE",
@@ -143,7 +143,7 @@ pub struct SnapshotArgs {
         required_unless_present = "replay"
     )]
     pub world: Option<PathBuf>,
-    /// Run the world until this phase has ended
+    /// With --world, and needed there: run the world until this phase has ended
     #[arg(
         long,
         value_name = "PHASE",
@@ -152,10 +152,10 @@ pub struct SnapshotArgs {
         conflicts_with = "replay"
     )]
     pub until: Option<Phase>,
-    /// Folder of a recorded run
+    /// Folder of a recorded run, in place of a world; needs --at
     #[arg(long, value_name = "DIR", requires = "at")]
     pub replay: Option<PathBuf>,
-    /// Instant of the recorded run, in simulated seconds
+    /// With --replay, and needed there: instant of the recorded run, in simulated seconds
     #[arg(long, value_name = "T", value_parser = values::seconds, requires = "replay")]
     pub at: Option<f64>,
     /// Size of the frame in columns and rows
@@ -164,9 +164,12 @@ pub struct SnapshotArgs {
     /// How the frame is written
     #[arg(long, value_enum, default_value_t = FrameFormat::Text)]
     pub format: FrameFormat,
-    /// What every run can be told.
+    /// How the room is mapped.
     #[command(flatten)]
-    pub common: Common,
+    pub mapping: MappingFlags,
+    /// The robot and what simulates it.
+    #[command(flatten)]
+    pub robot: RobotFlags,
 }
 
 /// How a frame is written.
@@ -192,6 +195,9 @@ pub struct ExportArgs {
     /// Where to; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Write over a file that is there already
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// What `export` can write.
@@ -227,12 +233,38 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// The flags that a command knows.
+    fn flags(command: &str) -> Vec<String> {
+        let cli = Cli::command();
+        let found = cli.find_subcommand(command).expect("a command");
+        let names = found.get_arguments().filter_map(|argument| argument.get_long());
+        names.map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn a_command_takes_no_flag_that_does_nothing_there() {
+        let robot = flags("robot");
+        for none in ["alpha", "plan", "contour", "tape", "laps", "square", "out", "resume"] {
+            assert!(!robot.iter().any(|flag| flag == none), "robot --{none}");
+        }
+        for its in ["world", "noise", "seed", "start", "chassis", "config"] {
+            assert!(robot.iter().any(|flag| flag == its), "no robot --{its}");
+        }
+        let snapshot = flags("snapshot");
+        for none in ["out", "resume", "placed", "name"] {
+            assert!(!snapshot.iter().any(|flag| flag == none), "snapshot --{none}");
+        }
+        assert!(snapshot.iter().any(|flag| flag == "alpha"), "no snapshot --alpha");
+    }
+
     #[test]
     fn the_console_needs_no_command_word() {
         let cli = Cli::try_parse_from(["periplus", "--alpha", "0.3"]).expect("plain flags");
         assert!(cli.command.is_none());
-        assert_eq!(cli.console.common.alpha, Some(0.3));
+        assert_eq!(cli.console.common.mapping.alpha, Some(0.3));
         let cli = Cli::try_parse_from(["periplus", "console", "--seed", "7"]).expect("in words");
-        assert!(matches!(cli.command, Some(Command::Console(args)) if args.common.seed == Some(7)));
+        assert!(
+            matches!(cli.command, Some(Command::Console(args)) if args.common.robot.seed == Some(7))
+        );
     }
 }

@@ -14,7 +14,7 @@ pub mod world;
 
 pub use error::CommandError;
 
-use crate::cli::{Cli, Command, ConsoleArgs, ReplayArgs, SnapshotArgs};
+use crate::cli::{Cli, Command, Common, ConsoleArgs, ReplayArgs, SnapshotArgs};
 use std::io::IsTerminal;
 use std::path::Path;
 
@@ -53,7 +53,7 @@ fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     if let Some(address) = real::address(&args.robot, places.port)? {
         return real::console(&address, glue::keymap(keys.as_deref())?, &common);
     }
-    only_real(common.resume.as_deref())?;
+    only_real(common.keeping.resume.as_deref())?;
     let world = args.robot.world.or(places.world);
     glue::console(world.as_deref(), keys.as_deref(), &common)
 }
@@ -65,7 +65,8 @@ fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {
 }
 
 fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {
-    let (common, _) = args.common.clone().with_config()?;
+    let (mapping, robot) = (args.mapping.clone(), args.robot.clone());
+    let (common, _) = Common { mapping, robot, ..Common::default() }.with_config()?;
     let frame = match (&args.replay, args.at) {
         (Some(dir), Some(at)) => {
             glue::snapshot_of_record(crate::journal::read(dir)?, at, args.size, args.format)?
@@ -78,11 +79,23 @@ fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {
 
 /// Only a real robot goes on living when its host is gone.
 fn only_real(resume: Option<&Path>) -> Result<(), CommandError> {
-    resume.map_or(Ok(()), |dir| {
-        let why =
-            "goes on with a real robot: give --port; a simulated run is made again by its seed";
-        Err(CommandError::Input(format!("--resume {}: {why}", dir.display())))
-    })
+    let Some(dir) = resume else { return Ok(()) };
+    let header = crate::journal::read(dir).map(|recording| recording.header);
+    let why = match header {
+        Ok(header) if header.robot.is_some() => {
+            "that run goes on with the robot that it was begun with: give its --port".to_owned()
+        }
+        Ok(header) => format!(
+            "that run was made in the simulator and cannot be gone on with; it is made again by its \
+             seed: `periplus run --world FILE --seed {} --out DIR`, with the other flags as they were",
+            header.settings.seed
+        ),
+        Err(error) => format!(
+            "{error}; it takes the folder of a run of a real robot, and --port; a simulated run is \
+             made again by its seed"
+        ),
+    };
+    Err(CommandError::Input(format!("--resume {}: {why}", dir.display())))
 }
 
 /// The console needs a terminal both ways.

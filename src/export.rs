@@ -46,7 +46,7 @@ pub struct RunRecord<'a> {
     pub outcome: Outcome,
     /// Why, in words.
     pub reason: &'a str,
-    /// Name of the world or of the port.
+    /// What the map is called: what the operator said, or the name of the world or of the port.
     pub world: &'a str,
     /// Name of the noise profile; empty for a real robot.
     pub noise: &'a str,
@@ -54,14 +54,14 @@ pub struct RunRecord<'a> {
     pub progress: [PhaseProgress; 4],
     /// Laps that closed, those round objects met in the search included.
     pub laps: u32,
-    /// Bumper contacts.
+    /// Motions that the bumper or a stall ended, as the screen counts them.
     pub bumps: u32,
     /// Travel with the body against something, metres.
     pub contact: f64,
     /// With a simulator: where the body really was at the instants of `map.path`, vertex by
     /// vertex, in the world's frame.
     pub true_path: Option<&'a [Pose]>,
-    /// How long the run took on the wall clock, seconds.
+    /// How long the run took on the wall clock, seconds; in the console from its opening, pauses included.
     pub wall_seconds: f64,
 }
 

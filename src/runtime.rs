@@ -70,6 +70,10 @@ impl Ending {
     pub fn of(session: &Session) -> Option<Self> {
         let (outcome, reason) = match session.run_state() {
             RunState::Complete => {
+                if let Some(phase) = session.ended_with() {
+                    let reason = format!("{phase} phase done, no further was asked for");
+                    return Some(Self { outcome: Outcome::Complete, reason });
+                }
                 let owed = session.mission().map().shortfall();
                 let but = owed.map_or_else(String::new, |owed| format!(", but {owed}"));
                 (Outcome::Complete, format!("map complete{but}"))

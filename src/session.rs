@@ -54,10 +54,11 @@ pub struct Session {
 }
 
 impl Session {
-    /// A run that ends with the phase `until`; `source` is what the screen calls the robot. It waits for the
-    /// operator.
+    /// A run that ends with the phase `until`; `source` is what the screen calls the robot, unless the map
+    /// has a name. It waits for the operator.
     #[must_use]
     pub fn new(settings: Settings, source: String, until: Phase) -> Self {
+        let source = settings.name.clone().unwrap_or(source);
         Self {
             gate: Gate::new(&settings.chassis),
             watch: Watch::new(&settings.chassis),
@@ -85,6 +86,13 @@ impl Session {
     #[must_use]
     pub fn run_state(&self) -> RunState {
         self.run
+    }
+
+    /// The phase that was to end the run and has, short of a complete map; none otherwise.
+    #[must_use]
+    pub fn ended_with(&self) -> Option<Phase> {
+        let short = self.run == RunState::Complete && self.mission.outcome() == Outcome::Going;
+        short.then_some(self.until)
     }
 
     /// The four phases so far.
@@ -279,7 +287,7 @@ impl Session {
         }
         if self.progress[self.until as usize].done && self.mission.outcome() == Outcome::Going {
             self.run = RunState::Complete;
-            self.note(EventKind::Complete, out);
+            self.note(EventKind::AsFarAsAsked { phase: self.until }, out);
         }
     }
 

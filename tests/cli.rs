@@ -25,6 +25,10 @@ fn bad_values_are_refused_with_the_flag_and_what_it_takes() {
         (&["run", "--alpha", "-0.5"], &["--alpha", "length"]),
         (&["run", "--alpha", "nan"], &["--alpha", "not a finite number"]),
         (&["run", "--alpha", "inf"], &["--alpha", "not a finite number"]),
+        (&["run", "--alpha", "0.01"], &["--alpha", "length from 0.05 to 2 m"]),
+        (&["run", "--alpha", "5"], &["--alpha", "length from 0.05 to 2 m"]),
+        (&["run", "--name", ""], &["--name", "has letters"]),
+        (&["robot", "--world", "a", "--pty", "--alpha", "0.3"], &["--alpha"]),
         (&["run", "--alpha", "wide"], &["--alpha", "not a number"]),
         (&["run", "--plan", "leen"], &["--plan", "leen", "lean"]),
         (&["run", "--contour", "three-pass"], &["--contour", "two-pass"]),
@@ -48,6 +52,7 @@ fn what_is_missing_is_named() {
     refused(&["run", "--out", "x"], &["needs --world FILE or --port DEVICE"]);
     refused(&["run", "--world", "room.toml"], &["needs --out DIR"]);
     refused(&["check"], &["FILE"]);
+    refused(&["snapshot", "--world", "room.toml", "--size", "80x24"], &["--until"]);
 }
 
 #[test]
@@ -116,6 +121,13 @@ fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     let told = String::from_utf8_lossy(&output.stdout);
     assert!(told.contains("other.toml:1:") && told.contains("/nowhere.toml"), "{told}");
     assert_eq!(told.lines().count(), 2, "one line for each file: {told}");
+    let missing = dir.join("nosuch");
+    let shown = [&missing, &dir].map(|path| path.to_str().expect("a plain path"));
+    let output = periplus(&["check", shown[0], shown[1]]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("nosuch: No such file") && !told.contains("expected"), "{told}");
+    assert!(told.contains("a folder; name the files in it"), "{told}");
 }
 
 #[test]
@@ -142,6 +154,21 @@ fn export_hands_over_what_a_run_left() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(fs::read_to_string(&yaml).expect("the YAML").starts_with("image: room.pgm\n"));
     assert!(fs::read(&picture).expect("the picture").starts_with(b"P5\n"));
+    // What is there is not lost by a slip: not the YAML file to a picture, nor the picture beside it.
+    let slip = ["export", from, "--format", "svg", "--out", to];
+    refused(&slip, &["room.yaml: is there already", "--force"]);
+    assert!(fs::read_to_string(&yaml).expect("the YAML").starts_with("image: room.pgm\n"));
+    let beside = dir.join("beside.yaml");
+    fs::write(dir.join("beside.pgm"), "a holiday").expect("a picture");
+    let both = ["export", from, "--format", "ros", "--out", beside.to_str().expect("a path")];
+    refused(&both, &["beside.pgm: is there already"]);
+    assert!(!beside.exists(), "half of a pair was written");
+    let output = periplus(&[&slip[..], &["--force"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read_to_string(&yaml).expect("the copy"), "<svg/>");
+    // An empty file, as `mktemp` makes it, is there to be filled.
+    fs::write(&yaml, "").expect("an empty file");
+    assert_eq!(periplus(&slip).status.code(), Some(0));
 }
 
 #[test]
@@ -153,12 +180,18 @@ fn a_boundary_without_a_shape_is_as_long_as_its_wall() {
         concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml"),
         "--until",
         "boundary",
+        "--name",
+        "the east wing",
         "--out",
         out.to_str().expect("a path"),
     ]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    // The map is not complete, and nobody says so.
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.starts_with("complete: boundary phase done, no further was asked for"), "{said}");
     let report = fs::read_to_string(out.join("report.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["world"], "the east wing");
     assert!(report["shape"].is_null(), "{}", report["shape"]);
     // 5 m by 4 m; its corners are joined from contact to contact.
     let perimeter = report["boundary"]["perimeter_m"].as_f64().expect("a length");
@@ -194,7 +227,6 @@ fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
     fs::write(&world, ROOM).expect("a world");
     let (world, to) = (world.to_str().expect("a path"), out.to_str().expect("a path"));
     let cases: &[(&[&str], &[&str])] = &[
-        (&["--alpha", "4.5"], &["α of 4.5 m is larger than the room", "4.00 x 3.00"]),
         (&["--start", "9,9,0"], &["--start", "outside the room"]),
         (&["--start", "0.01,1,0"], &["--start"]),
         (&["--chassis", "/nowhere/robot.toml"], &["/nowhere/robot.toml"]),
@@ -204,6 +236,12 @@ fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
         let arguments = [&["run", "--world", world, "--out", to], *more].concat();
         refused(&arguments, words);
     }
+    let closet = dir.join("closet.toml");
+    fs::write(&closet, ROOM.replace("[4, 0], [4, 3], [0, 3]", "[1.5, 0], [1.5, 1.2], [0, 1.2]"))
+        .expect("a world");
+    let closet = ["run", "--world", closet.to_str().expect("a path"), "--out", to];
+    let larger = ["α of 1.8 m is larger than the room", "1.50 x 1.20"];
+    refused(&[&closet[..], &["--alpha", "1.8"]].concat(), &larger);
     let config = dir.join("run.toml");
     fs::write(&config, "alpha = 0.3\nstart = [9, 9, 0]\n").expect("a settings file");
     let config = config.to_str().expect("a path");
@@ -281,6 +319,8 @@ fn a_run_that_cannot_be_taken_up_says_why() {
     assert_eq!(run.status.code(), Some(0));
     let simulated = ["run", "--port", "tcp://127.0.0.1:1", "--resume", dir];
     refused(&simulated, &["made in the simulator"]);
+    // Nobody is sent for a world first.
+    refused(&["run", "--resume", dir], &["made in the simulator", "--seed 1"]);
 }
 
 #[test]
@@ -306,4 +346,23 @@ fn a_frame_of_a_record() {
     assert!(text.contains("0:01:00") || text.contains("0:00:59"), "{text}");
     assert_eq!(text.lines().count(), 24);
     refused(&["snapshot", "--replay", dir, "--at", "99999", "--size", "80x24"], &["ends at"]);
+}
+
+#[test]
+fn a_calibration_tells_its_figures_and_where_the_body_is() {
+    let out = place("calibrated").join("run");
+    let to = out.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let output = periplus(&["calibrate", "--world", world, "--noise", "raw", "--out", to]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let body = fs::read_to_string(out.join("chassis.toml")).expect("a body");
+    let base = body.lines().find_map(|line| line.strip_prefix("wheel_base = ")).expect("a base");
+    let base = base.split(' ').next().unwrap_or_default();
+    for words in [&format!("wheel base: {base} ± "), "gyro scale", "not measured: give --tape", to]
+    {
+        assert!(said.contains(words), "no `{words}` in {said}");
+    }
+    assert!(said.contains("chassis.toml"), "{said}");
+    assert!(said.lines().last().is_some_and(|line| line.starts_with("complete: ")), "{said}");
 }

@@ -4,7 +4,7 @@
 
 mod shell;
 
-use periplus::journal::{Entry, Header, Journal, Record, Recording, read};
+use periplus::journal::{Entry, Header, Journal, Record, Recording, RobotMark, read};
 use periplus::robot::{Odometer, SwitchSet, Telemetry};
 use shell::{periplus, place, refused};
 use std::fs;
@@ -131,6 +131,12 @@ fn a_record_of_what_cannot_be_is_told_and_comes_to_its_end() {
         fs::write(&bent, write_bent(&recording, change)).expect("a record");
         refused(&[&frame[..], &["40"]].concat(), &["bent:1:", word]);
     }
+    let robot = RobotMark { name: "rover".to_owned(), boot: 7 };
+    let mut header = recording.header;
+    header.robot = Some(robot);
+    let real = Journal::begin(Vec::new(), &header).and_then(Journal::finish).expect("memory");
+    fs::write(&bent, real).expect("a record");
+    refused(&["run", "--resume", bent.to_str().expect("a path")], &["goes on with", "its --port"]);
 }
 
 /// A limit on the length of files is met as a full disk is: one message, and no word of results that

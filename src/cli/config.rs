@@ -20,9 +20,9 @@ pub struct Places {
     pub port: Option<(String, String)>,
 }
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "alpha", "plan", "contour", "noise", "seed", "start", "laps", "square", "tape", "chassis",
-    "out", "resume", "world", "keymap", "until", "port",
+    "name", "out", "resume", "world", "keymap", "until", "port",
 ];
 
 /// Reads the file and fills in what `flags` leaves open.
@@ -58,23 +58,24 @@ fn set(
     let text = words.as_str();
     let path = || file.beside(text);
     match entry.key.as_str() {
-        "alpha" => fill(&mut flags.alpha, values::alpha(text)?),
-        "plan" => fill(&mut flags.plan, values::named_strategy(text)?),
-        "contour" => fill(&mut flags.contour, values::named_contour(text)?),
-        "noise" => fill(&mut flags.noise, values::named_noise(text)?),
-        "seed" => fill(&mut flags.seed, values::seed(text)?),
+        "alpha" => fill(&mut flags.mapping.alpha, values::alpha(text)?),
+        "plan" => fill(&mut flags.mapping.plan, values::named_strategy(text)?),
+        "contour" => fill(&mut flags.mapping.contour, values::named_contour(text)?),
+        "noise" => fill(&mut flags.robot.noise, values::named_noise(text)?),
+        "seed" => fill(&mut flags.robot.seed, values::seed(text)?),
         "start" => {
-            if flags.start.is_none() {
-                flags.start_place = Some(file.place(entry));
+            if flags.robot.start.is_none() {
+                flags.robot.start_place = Some(file.place(entry));
             }
-            fill(&mut flags.start, values::start(text)?);
+            fill(&mut flags.robot.start, values::start(text)?);
         }
-        "laps" => fill(&mut flags.laps, values::laps(text)?),
-        "square" => flags.square |= values::yes(text)?,
-        "tape" => fill(&mut flags.tape, values::tape(text)?),
-        "chassis" => fill(&mut flags.chassis, path()),
-        "out" => fill(&mut flags.out, path()),
-        "resume" => fill(&mut flags.resume, path()),
+        "laps" => fill(&mut flags.mapping.laps, values::laps(text)?),
+        "square" => flags.mapping.square |= values::yes(text)?,
+        "tape" => fill(&mut flags.mapping.tape, values::tape(text)?),
+        "chassis" => fill(&mut flags.robot.chassis, path()),
+        "name" => fill(&mut flags.keeping.name, values::title(text)?),
+        "out" => fill(&mut flags.keeping.out, path()),
+        "resume" => fill(&mut flags.keeping.resume, path()),
         "world" => fill(&mut places.world, path()),
         "keymap" => fill(&mut places.keymap, path()),
         "until" => fill(&mut places.until, values::named_phase(text)?),

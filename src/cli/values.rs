@@ -1,10 +1,11 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
 use super::{ArgumentError, chassis, config};
+use crate::console::command::ALPHA;
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
 use crate::mapping::map::Phase;
-use crate::mapping::settings::{Contour, LEAST_ALPHA, MOST_LAPS, Settings, Strategy};
+use crate::mapping::settings::{Contour, MOST_LAPS, Settings, Strategy, check_name};
 use crate::mapping::tape::{Tape, TapeError};
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;
@@ -16,8 +17,22 @@ use std::path::PathBuf;
 /// What every run can be told. A value that is not given may still come from `--config`.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub struct Common {
-    /// Accuracy factor α in metres: no free-standing object that a disc of this diameter fits
-    /// inside is missed [default: 0.25]
+    /// How the room is mapped.
+    #[command(flatten)]
+    pub mapping: MappingFlags,
+    /// The robot and what simulates it.
+    #[command(flatten)]
+    pub robot: RobotFlags,
+    /// What is kept of the run.
+    #[command(flatten)]
+    pub keeping: KeepingFlags,
+}
+
+/// What a run can be told of how the room is mapped.
+#[derive(Debug, Clone, Default, PartialEq, Args)]
+pub struct MappingFlags {
+    /// Accuracy factor α in metres, 0.05 to 2: no free-standing object that a disc of this diameter
+    /// fits inside is missed [default: 0.25]
     #[arg(long, value_name = "M", value_parser = alpha, allow_negative_numbers = true)]
     pub alpha: Option<f64>,
     /// How the path plan is made [default: lean]
@@ -26,6 +41,21 @@ pub struct Common {
     /// How an object met on a line is gone round [default: full-loop]
     #[arg(long, value_name = "CONTOUR", value_parser = contour())]
     pub contour: Option<Contour>,
+    /// Laps of the boundary; each after the first goes the other way round and is averaged in
+    /// [default: 1]
+    #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
+    pub laps: Option<u32>,
+    /// Hand over nearly right angles as right ones; what was mapped is kept beside
+    #[arg(long)]
+    pub square: bool,
+    /// A taped length between two points, metres
+    #[arg(long, value_name = "X,Y:X,Y=M", value_parser = tape, allow_hyphen_values = true)]
+    pub tape: Option<Tape>,
+}
+
+/// What a robot can be told that maps nothing by itself.
+#[derive(Debug, Clone, Default, PartialEq, Args)]
+pub struct RobotFlags {
     /// Noise of the simulated sensors [default: calibrated]
     #[arg(long, value_name = "PROFILE", value_parser = noise())]
     pub noise: Option<NoiseProfile>,
@@ -38,22 +68,20 @@ pub struct Common {
     /// File, line and key that the start came from; none when it is a flag's.
     #[arg(skip)]
     pub start_place: Option<String>,
-    /// Laps of the boundary; each after the first goes the other way round and is averaged in
-    /// [default: 1]
-    #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
-    pub laps: Option<u32>,
-    /// Hand over nearly right angles as right ones; what was mapped is kept beside
-    #[arg(long)]
-    pub square: bool,
-    /// A taped length between two points, metres
-    #[arg(long, value_name = "X,Y:X,Y=M", value_parser = tape, allow_hyphen_values = true)]
-    pub tape: Option<Tape>,
     /// The robot's body, in TOML
     #[arg(long, value_name = "FILE")]
     pub chassis: Option<PathBuf>,
-    /// Values for the flags above, in TOML; flags win
+    /// Values for the flags, in TOML; flags win
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+}
+
+/// What a run can be told of what is kept of it.
+#[derive(Debug, Clone, Default, PartialEq, Args)]
+pub struct KeepingFlags {
+    /// What the map is called [default: the world's name, or the port]
+    #[arg(long, value_name = "TEXT", value_parser = title)]
+    pub name: Option<String>,
     /// Folder for the results and the record
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -87,7 +115,7 @@ impl Common {
     /// When the file cannot be read or a key or value in it is wrong, or when a flag asks for
     /// what this version does not have.
     pub fn with_config(mut self) -> Result<(Self, config::Places), ArgumentError> {
-        let places = match self.config.take() {
+        let places = match self.robot.config.take() {
             Some(path) => config::read(&path, &mut self)?,
             None => config::Places::default(),
         };
@@ -101,20 +129,22 @@ impl Common {
     /// When the chassis file cannot be read or is wrong.
     pub fn body(&self) -> Result<Chassis, ArgumentError> {
         let chassis =
-            self.chassis.as_deref().map_or_else(|| Ok(Chassis::default()), chassis::read)?;
+            self.robot.chassis.as_deref().map_or_else(|| Ok(Chassis::default()), chassis::read)?;
         Ok(told(&chassis))
     }
 
     /// The settings of a run of the robot `body` from `start`.
     pub fn settings(&self, start: Pose, body: Chassis) -> Settings {
         let mut settings = Settings::new(start);
-        settings.alpha = self.alpha.unwrap_or(settings.alpha);
-        settings.strategy = self.plan.unwrap_or(settings.strategy);
-        settings.contour = self.contour.unwrap_or(settings.contour);
-        settings.seed = self.seed.unwrap_or(settings.seed);
-        settings.laps = self.laps.unwrap_or(settings.laps);
-        settings.square = self.square;
-        settings.tape = self.tape;
+        let MappingFlags { alpha, plan, contour, laps, square, tape } = self.mapping;
+        settings.alpha = alpha.unwrap_or(settings.alpha);
+        settings.strategy = plan.unwrap_or(settings.strategy);
+        settings.contour = contour.unwrap_or(settings.contour);
+        settings.seed = self.robot.seed.unwrap_or(settings.seed);
+        settings.laps = laps.unwrap_or(settings.laps);
+        settings.square = square;
+        settings.tape = tape;
+        settings.name.clone_from(&self.keeping.name);
         settings.chassis = body;
         settings
     }
@@ -129,15 +159,23 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// α: metres, above zero. Whether it fits the room is asked when the room is known.
+/// α: metres, as the console takes it. Whether it fits the room is asked when the room is known.
 pub(super) fn alpha(text: &str) -> Result<f64, String> {
-    match number(text)? {
-        value if value < LEAST_ALPHA => {
-            Err("α is a length of at least 0.01 m, such as 0.25".to_owned())
-        }
-        value if value > 1000.0 => Err("α is a length of at most 1000 m, such as 0.25".to_owned()),
-        value => Ok(value),
+    let (value, (least, most)) = (number(text)?, ALPHA);
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("α is a length from {least} to {most} m, such as 0.25"))
     }
+}
+
+/// What a map is called.
+pub(super) fn title(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if name.is_empty() {
+        return Err("a name has letters; leave the flag out to have none".to_owned());
+    }
+    check_name(name).map(|()| name.to_owned())
 }
 
 /// How often the boundary is gone round.
@@ -271,6 +309,25 @@ mod tests {
         assert_eq!(alpha("0.25"), Ok(0.25));
         for bad in ["0", "-0.2", "nan", "inf", "a lot", "", "1e-9"] {
             assert!(alpha(bad).is_err(), "α of `{bad}` was taken");
+        }
+    }
+
+    #[test]
+    fn alpha_has_the_same_range_as_in_the_console() {
+        for text in ["0.049", "0.05", "2", "2.01"] {
+            let typed = crate::console::command::Command::parse(&format!("alpha={text}"));
+            assert_eq!(alpha(text).is_ok(), typed.is_ok(), "α of {text}");
+        }
+        let told = alpha("5").expect_err("five metres");
+        assert!(told.contains("from 0.05 to 2 m"), "{told}");
+    }
+
+    #[test]
+    fn a_name_is_some_letters() {
+        assert_eq!(title(" Küche "), Ok("Küche".to_owned()));
+        let long = "a".repeat(300);
+        for bad in ["", "  ", "a\u{1b}[2J", long.as_str()] {
+            assert!(title(bad).is_err(), "`{bad}` was taken");
         }
     }
 

@@ -28,6 +28,11 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
 
 /// What the file is, when nothing is wrong with it.
 fn verdict(path: &Path) -> Result<&'static str, String> {
+    let there = std::fs::metadata(path).map_err(|why| format!("{}: {why}", path.display()))?;
+    if there.is_dir() {
+        let why = "a folder; name the files in it, such as DIR/*.toml";
+        return Err(format!("{}: {why}", path.display()));
+    }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension {
         // The reader of worlds says best why it reads no ROS maps.

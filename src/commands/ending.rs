@@ -3,6 +3,15 @@
 use super::{CommandError, output};
 use crate::runtime::{Ending, OutputFolder};
 
+/// What is told on standard output when a run is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Told {
+    /// How it ended.
+    Ending,
+    /// Before that, what it measured of the robot.
+    Measured,
+}
+
 /// What was kept of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kept {
@@ -31,6 +40,26 @@ impl Kept {
             Self::Nothing => status.max(1),
         }
     }
+}
+
+/// Prints the `figures` that a calibration was driven for, and where they are kept; gives the exit status, 1
+/// when there are none.
+///
+/// # Errors
+/// When standard output cannot be written.
+pub fn print_measured(figures: Option<String>, folder: &OutputFolder) -> Result<u8, CommandError> {
+    let Some(figures) = figures else {
+        let why = "nothing was measured of the robot: it takes a lap each way round";
+        output::say(&format!("periplus: {why}; see the log in the record"));
+        return Ok(1);
+    };
+    output::print(&figures)?;
+    let chassis = folder.path().join("chassis.toml");
+    if chassis.exists() {
+        let what = "give it to the robot, or to --chassis";
+        output::print(&format!("body written to {}: {what}\n", chassis.display()))?;
+    }
+    Ok(0)
 }
 
 /// Prints the last line of a run.

@@ -24,7 +24,9 @@ pub fn export(args: &ExportArgs) -> Result<u8, CommandError> {
         return Ok(0);
     }
     spare_results(&args.dir, &args.out)?;
-    write_whole(&args.out, &result(args, name)?)?;
+    let bytes = result(args, name)?;
+    spare_others(args, &args.out)?;
+    write_whole(&args.out, &bytes)?;
     Ok(0)
 }
 
@@ -52,6 +54,8 @@ fn ros(args: &ExportArgs) -> Result<u8, CommandError> {
     let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let files = ros::write(&map, &name)
         .map_err(|error| CommandError::Input(format!("{}: {error}", path.display())))?;
+    spare_others(args, yaml)?;
+    spare_others(args, &picture)?;
     write_whole(&picture, &files.pgm)?;
     write_whole(yaml, files.yaml.as_bytes())?;
     Ok(0)
@@ -84,6 +88,17 @@ fn spare_results(dir: &Path, out: &Path) -> Result<(), CommandError> {
         )));
     }
     Ok(())
+}
+
+/// Refuses to write over a file that is there, unless that is what was asked for. An empty one is no loss,
+/// and what is no file is never replaced.
+fn spare_others(args: &ExportArgs, out: &Path) -> Result<(), CommandError> {
+    let there = std::fs::metadata(out);
+    if args.force || !there.is_ok_and(|data| data.is_file() && data.len() > 0) {
+        return Ok(());
+    }
+    let why = "is there already; name another file, or write over it with --force";
+    Err(CommandError::Input(format!("{}: {why}", out.display())))
 }
 
 /// The bytes of one result of the run.

@@ -71,19 +71,20 @@ pub fn console(
     let keymap = keymap(keys)?;
     let world = world_or_demo(world, common)?;
     let header = header_of(&world, common, None)?;
-    let out = common.out.clone().map_or_else(state_folder, Ok)?;
+    let out = common.keeping.out.clone().map_or_else(state_folder, Ok)?;
     OutputFolder::refuse_taken(&out)?;
     let (folder, file) = OutputFolder::create(&out)?;
     let journal = Journal::begin(file, &header).map_err(|source| {
         folder.discard_unbegun();
         CommandError::System { what: "the record of the run", source }
     })?;
-    let noise = common.noise.unwrap_or_default();
+    let noise = common.robot.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
-    let mut driver = SimulatedDriver::new(run);
+    let mut driver = SimulatedDriver::new(run.recorded_at(folder.journal()));
     let ended = on_screen(&mut driver, keymap)?;
+    let wall_seconds = driver.wall_seconds();
     let mut headless = Headless::left(driver.into_run());
-    let kept = Kept::unless(headless.write(&folder));
+    let kept = Kept::unless(headless.write(&folder, wall_seconds));
     let status = kept.status(0);
     say_recorded(&folder, &kept);
     Ok(status_of(ended, status))
@@ -141,7 +142,7 @@ fn header_of(
     Ok(Header {
         settings: common.settings(world.start, common.body()?),
         source: world.name.clone(),
-        noise: common.noise.unwrap_or_default().to_string(),
+        noise: common.robot.noise.unwrap_or_default().to_string(),
         until,
         robot: None,
     })
@@ -217,7 +218,7 @@ fn format_of(format: FrameFormat) -> frame::Format {
 pub fn snapshot_of_world(args: &SnapshotArgs, common: &Common) -> Result<String, CommandError> {
     let world = world_or_demo(args.world.as_deref(), common)?;
     let header = header_of(&world, common, args.until)?;
-    let noise = common.noise.unwrap_or_default();
+    let noise = common.robot.noise.unwrap_or_default();
     let run: SimulatedRun<std::io::Sink> = SimulatedRun::new(&world, header, noise, None);
     let mut headless = Headless::new(run);
     while headless.step() == crate::runtime::Step::Going {}

@@ -1,10 +1,11 @@
 //! The commands that reach for a port: `run --port`, `console --port`, `robot` and `ports`.
 
-use super::ending::{self, Kept};
+use super::ending::{self, Kept, Told};
 use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
 use crate::console::Keymap;
 use crate::console::driver::Driver;
+use crate::export::body;
 use crate::firmware::Device;
 use crate::geometry::Pose;
 use crate::link::{Address, Faults, FaultyWay, RobotEnd, port};
@@ -41,7 +42,7 @@ pub fn address(
 
 /// What the flags say; where a real robot stands is the origin, unless `--start` says otherwise.
 fn settings(common: &Common) -> Result<Settings, CommandError> {
-    let start = common.start.unwrap_or(Pose::new(0.0, 0.0, 0.0));
+    let start = common.robot.start.unwrap_or(Pose::new(0.0, 0.0, 0.0));
     Ok(common.settings(start, common.body()?))
 }
 
@@ -53,7 +54,7 @@ fn open(
     at_once: bool,
     out: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
-    if let Some(dir) = &common.resume {
+    if let Some(dir) = &common.keeping.resume {
         return take_up(address, common, at_once, dir);
     }
     OutputFolder::refuse_taken(out)?;
@@ -102,14 +103,14 @@ fn take_up(
         session.mission().phase(),
         session.mission().tracker().time_us() as f64 * 1e-6
     ));
-    if common.placed.is_some() && session.mission().phase() == Phase::Boundary {
+    if common.keeping.placed.is_some() && session.mission().phase() == Phase::Boundary {
         let why = "the boundary is not closed yet: the lap begins anew from --placed";
         output::say(&format!("periplus: {why}"));
     }
     let plan =
         Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
     let (folder, journal) = OutputFolder::reopen(dir, sound)?;
-    let placed = common.placed;
+    let placed = common.keeping.placed;
     let interrupted = Interrupted { session, robot, placed, unrecorded, records };
     let line = Line::open(address.clone(), plan, journal, Some(interrupted));
     Ok((line.map_err(|error| CommandError::Input(error.to_string()))?, folder))
@@ -120,7 +121,14 @@ fn same_settings(was: &Settings, common: &Common) -> Result<(), String> {
     let differs = |flag: &str, was: String, now: String| {
         Err(format!("{flag} was {was} and is now {now}; leave it out to go on"))
     };
-    match (common.alpha, common.plan, common.contour, common.seed, common.start) {
+    if let Some(now) = &common.keeping.name
+        && common.keeping.name != was.name
+    {
+        let was = was.name.clone().unwrap_or_else(|| "not given".to_owned());
+        return differs("--name", was, now.clone());
+    }
+    let (mapping, robot) = (&common.mapping, &common.robot);
+    match (mapping.alpha, mapping.plan, mapping.contour, robot.seed, robot.start) {
         (Some(now), ..) if now != was.alpha => {
             differs("--alpha", was.alpha.to_string(), now.to_string())
         }
@@ -149,6 +157,7 @@ pub fn run(
     common: &Common,
     until: Option<Phase>,
     out: &Path,
+    told: Told,
 ) -> Result<u8, CommandError> {
     let (line, folder) = open(address, common, until, true, out)?;
     let signals = Signals::listen()
@@ -179,8 +188,13 @@ pub fn run(
     }
     let driven = Driven { ending, signal, wall_seconds: watch.seconds() };
     let kept = write(&mut run, &driven.ending, &folder, driven.wall_seconds);
+    let record = run.record(&driven.ending, driven.wall_seconds);
+    let figures = record.and_then(|record| body::figures(&record));
     drop(run);
-    let status = kept.status(driven.status());
+    let mut status = kept.status(driven.status());
+    if told == Told::Measured && kept != Kept::Nothing {
+        status = status.max(ending::print_measured(figures, &folder)?);
+    }
     ending::print(&driven.ending, &folder, &kept)?;
     Ok(status)
 }
@@ -244,7 +258,7 @@ impl Driver for LiveDriver {
 /// # Errors
 /// When the port cannot be opened or the terminal not be used.
 pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8, CommandError> {
-    let out = match (&common.resume, &common.out) {
+    let out = match (&common.keeping.resume, &common.keeping.out) {
         (Some(dir), _) | (None, Some(dir)) => dir.clone(),
         (None, None) => glue::state_folder()?,
     };
@@ -276,7 +290,8 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
 /// # Errors
 /// When the world is wrong or the line cannot be had.
 pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
-    let (common, _) = args.common.clone().with_config()?;
+    let common = Common { robot: args.robot.clone(), ..Common::default() };
+    let (common, _) = common.with_config()?;
     let speed = args.speed.unwrap_or(1.0);
     if !(0.1..=1000.0).contains(&speed) {
         let why = format!("--speed {speed}: from 0.1 to 1000 times as fast as life");
@@ -314,7 +329,8 @@ pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
                 return Err(missing.into());
             }
         };
-        let (noise, seed) = (common.noise.unwrap_or_default(), common.seed.unwrap_or(1));
+        let (noise, seed) =
+            (common.robot.noise.unwrap_or_default(), common.robot.seed.unwrap_or(1));
         let mut robot = SimulatedRobot {
             device: Device::new(&chassis, &world.name, std::process::id(), speed),
             body: Body::new(&world, &chassis, noise, seed),

@@ -1,8 +1,9 @@
 //! `periplus run`: a whole run without a terminal.
 
-use super::ending::{self, Kept};
+use super::ending::{self, Kept, Told};
 use super::{CommandError, glue, real, world};
 use crate::cli::{ArgumentError, RunArgs};
+use crate::export::body;
 use crate::journal::{Header, Journal};
 use crate::mapping::map::Phase;
 use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
@@ -12,18 +13,23 @@ use crate::runtime::{Driven, OutputFolder, Runner, Signals, drive};
 /// # Errors
 /// When arguments or input are wrong, before anything is written.
 pub fn run(args: RunArgs) -> Result<u8, CommandError> {
+    map(args, Told::Ending)
+}
+
+fn map(args: RunArgs, told: Told) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
-    let out = common.resume.clone().or(common.out.clone()).ok_or_else(|| missing("--out DIR"))?;
+    let keeping = &common.keeping;
+    let out = keeping.resume.clone().or(keeping.out.clone()).ok_or_else(|| missing("--out DIR"))?;
     if let Some(address) = real::address(&args.robot, places.port)? {
-        return real::run(&address, &common, until, &out);
+        return real::run(&address, &common, until, &out, told);
     }
+    super::only_real(keeping.resume.as_deref())?;
     let world = args.robot.world.or(places.world);
     let world = world.ok_or_else(|| missing("--world FILE or --port DEVICE"))?;
-    super::only_real(common.resume.as_deref())?;
     OutputFolder::refuse_taken(&out)?;
     let world = world::load(&world, &common)?;
-    let noise = common.noise.unwrap_or_default();
+    let noise = common.robot.noise.unwrap_or_default();
     let header = Header {
         settings: common.settings(world.start, common.body()?),
         source: world.name.clone(),
@@ -41,26 +47,27 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
     let signals = Signals::listen()
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;
     let driven = drive(&mut *runner, &signals);
-    finish(&mut *runner, &driven, &folder)
+    finish(&mut *runner, &driven, &folder, told)
 }
 
 /// Laps both ways round, for what they tell of the robot.
 const BOTH_WAYS: u32 = 2;
 
-/// Measures wheels and gyro, writes `chassis.toml` besides the results and gives the exit status.
+/// Measures wheels and gyro, writes `chassis.toml` besides the results, tells the figures and gives the exit
+/// status.
 ///
 /// # Errors
 /// As [`run`].
 pub fn calibrate(mut args: RunArgs) -> Result<u8, CommandError> {
     // A settings file may say as much as the flags.
     let (asked, places) = args.common.clone().with_config()?;
-    if asked.laps.is_some_and(|laps| laps < BOTH_WAYS) {
+    if asked.mapping.laps.is_some_and(|laps| laps < BOTH_WAYS) {
         let why = "laps: two at least, one way round and the other, or nothing is measured";
         return Err(CommandError::Input(why.to_owned()));
     }
-    args.common.laps = asked.laps.or(Some(BOTH_WAYS));
+    args.common.mapping.laps = asked.mapping.laps.or(Some(BOTH_WAYS));
     args.until = args.until.or(places.until).or(Some(Phase::Shape));
-    run(args)
+    map(args, Told::Measured)
 }
 
 /// Writes what is known, however the run ended.
@@ -68,11 +75,15 @@ fn finish(
     runner: &mut dyn Runner,
     driven: &Driven,
     folder: &OutputFolder,
+    told: Told,
 ) -> Result<u8, CommandError> {
     let recorded = runner.finish_journal();
     let record = runner.record(&driven.ending, driven.wall_seconds);
     let kept = Kept::unless(folder.complaint(recorded, &folder.write_results(&record)));
-    let status = kept.status(driven.status());
+    let mut status = kept.status(driven.status());
+    if told == Told::Measured {
+        status = status.max(ending::print_measured(body::figures(&record), folder)?);
+    }
     ending::print(&driven.ending, folder, &kept)?;
     Ok(status)
 }

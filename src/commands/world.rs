@@ -29,12 +29,12 @@ fn input(error: crate::simulator::WorldError) -> CommandError {
 }
 
 fn fitted(mut world: World, common: &Common, radius: f64) -> Result<World, CommandError> {
-    if let Some(start) = common.start {
-        let place = common.start_place.as_deref().unwrap_or("--start");
+    if let Some(start) = common.robot.start {
+        let place = common.robot.start_place.as_deref().unwrap_or("--start");
         world = world.with_start(start, place, radius).map_err(input)?;
     }
     let (low, high) = world.boundary.bounds().unwrap_or_default();
-    if let Some(alpha) = common.alpha {
+    if let Some(alpha) = common.mapping.alpha {
         alpha_fits(alpha, (high.x - low.x, high.y - low.y))?;
     }
     Ok(world)

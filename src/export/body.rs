@@ -51,13 +51,69 @@ pub fn write(record: &RunRecord<'_>) -> Option<String> {
     Some(text)
 }
 
+/// What was measured of wheels and gyro, a line for each figure, with its standard error; none when nothing
+/// was.
+#[must_use]
+pub fn figures(record: &RunRecord<'_>) -> Option<String> {
+    let known = record.map.calibration.as_ref()?;
+    let chassis = &record.settings.chassis;
+    let taped = record.map.taped.is_some();
+    let hourly = |rate: f64| rate.to_degrees() * 3600.0;
+    let how = if taped { "by tape" } else { "not measured: give --tape a length" };
+    Some(format!(
+        "wheel base: {:.5} ± {:.5} m, was {} m\n\
+         travel per tick: {:.9} m, was {} m, {how}\n\
+         a tick of the right wheel over one of the left: {:.5} ± {:.5}\n\
+         gyro scale: {:.5} ± {:.5}\n\
+         gyro drift at rest: {:.1} ± {:.1} degrees an hour\n",
+        known.wheel_base.value,
+        known.wheel_base.sd,
+        chassis.wheel_base,
+        known.tick,
+        chassis.tick,
+        1.0 / known.wheel_ratio.value,
+        known.wheel_ratio.sd,
+        known.gyro_scale.value,
+        known.gyro_scale.sd,
+        hourly(known.gyro_drift.value),
+        hourly(known.gyro_drift.sd),
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::export::sample;
+    use crate::mapping::calibration::{Calibration, Measured};
 
     #[test]
     fn without_a_second_lap_there_is_none() {
         assert_eq!(write(&sample::room().record()), None);
+        assert_eq!(figures(&sample::room().record()), None);
+    }
+
+    #[test]
+    fn the_figures_are_told_with_their_errors_and_what_was_believed() {
+        let measured = |value, sd| Measured { value, sd };
+        let mut sample = sample::room();
+        sample.map.calibration = Some(Calibration {
+            wheel_base: measured(0.1612, 0.0002),
+            wheel_ratio: measured(0.998, 0.0001),
+            gyro_scale: measured(1.003, 0.0007),
+            gyro_drift: measured(0.0, 1e-6),
+            tick: 0.0001,
+        });
+        let told = figures(&sample.record()).expect("figures");
+        let was = sample.settings.chassis.wheel_base;
+        for words in [
+            &format!("wheel base: 0.16120 ± 0.00020 m, was {was} m"),
+            "travel per tick: 0.000100000 m",
+            "not measured: give --tape",
+            "right wheel over one of the left: 1.00200 ± 0.00010",
+            "gyro scale: 1.00300 ± 0.00070",
+            "0.0 ± 0.2 degrees an hour",
+        ] {
+            assert!(told.contains(words), "no `{words}` in {told}");
+        }
     }
 }

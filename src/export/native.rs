@@ -18,7 +18,7 @@ pub const VERSION: u32 = 1;
 pub struct MapFile {
     /// Version of the format.
     pub periplus_map: u32,
-    /// Where it was made: name of the world or port.
+    /// What it is called, or where it was made: name of the world or port.
     pub name: String,
     /// α, metres.
     pub alpha: f64,

@@ -43,12 +43,14 @@ struct Report<'a> {
     passable_gap_m: f64,
     /// Floor behind gaps that are too narrow.
     unreached: Vec<Gap>,
+    /// Motions that the bumper or a stall ended.
     bumps: u32,
     /// Switches that gave themselves away as broken.
     #[serde(skip_serializing_if = "<[Doubted]>::is_empty")]
     broken_switches: &'a [Doubted],
     contact_m: f64,
     map_bytes: usize,
+    /// On the wall clock, seconds; in the console from its opening, pauses included.
     wall_s: f64,
 }
 

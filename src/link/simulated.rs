@@ -123,12 +123,6 @@ impl SimulatedLink {
         &self.truth
     }
 
-    /// How often the bumper was pressed.
-    #[must_use]
-    pub fn bumps(&self) -> u32 {
-        self.body.bumps()
-    }
-
     /// Metres travelled with the body against something.
     #[must_use]
     pub fn contact(&self) -> f64 {

@@ -197,6 +197,9 @@ pub enum EventKind {
         length: f64,
         /// Hidden disc, metres.
         hidden_disc: f64,
+        /// Whether that is more than α: the plan does not keep the promise.
+        #[serde(default)]
+        over: bool,
     },
     /// A line is begun.
     LineBegan {
@@ -369,6 +372,11 @@ pub enum EventKind {
     AlphaSet {
         /// Metres.
         alpha: f64,
+    },
+    /// The phase is done that was to end the run, short of a complete map.
+    AsFarAsAsked {
+        /// Which phase.
+        phase: Phase,
     },
     /// Everything is done.
     Complete,

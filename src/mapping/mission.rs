@@ -221,7 +221,8 @@ impl Mission {
         self.awaited.map(|awaited| awaited.id)
     }
 
-    /// Bumper contacts so far.
+    /// Motions so far that ended because the bumper was pressed or the robot stalled. It is what a host
+    /// hears of any robot: a touch in passing, in a turn say, that ends no motion is none.
     #[must_use]
     pub fn bumps(&self) -> u32 {
         self.bumps

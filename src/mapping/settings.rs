@@ -29,8 +29,10 @@ pub enum Contour {
     FullLoop,
 }
 
-/// The least α, metres.
-pub const LEAST_ALPHA: f64 = 0.01;
+/// The least α of any record, metres; what can be chosen begins higher.
+const LEAST_ALPHA: f64 = 0.01;
+/// Letters of the longest name of a map.
+pub const LONGEST_NAME: usize = 200;
 /// Nobody goes round more often.
 pub const MOST_LAPS: u32 = 9;
 /// Nothing is farther from the origin in x or y, metres.
@@ -47,7 +49,7 @@ fn is_one(laps: &u32) -> bool {
     *laps == 1
 }
 
-/// Everything that shapes a run besides what the robot meets.
+/// Everything that shapes a run besides what the robot meets, and what its map is called.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// α: the accuracy factor, metres.
@@ -69,6 +71,9 @@ pub struct Settings {
     /// A length measured by tape, which the map is stretched to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tape: Option<Tape>,
+    /// What the map is called; none for the name of the world or of the port.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// The robot's body.
     pub chassis: Chassis,
 }
@@ -86,6 +91,7 @@ impl Settings {
             laps: 1,
             square: false,
             tape: None,
+            name: None,
             chassis: Chassis::default(),
         }
     }
@@ -103,6 +109,9 @@ impl Settings {
         if let Some(Err(why)) = self.tape.map(Tape::checked) {
             return Err(format!("a `tape` that is none: {why}"));
         }
+        if let Some(Err(why)) = self.name.as_deref().map(check_name) {
+            return Err(format!("a `name` that is none: {why}"));
+        }
         self.chassis.check().map_err(|why| format!("a `chassis` that no robot has: {why}"))
     }
 }
@@ -114,6 +123,22 @@ impl Settings {
 pub fn check_alpha(alpha: f64) -> Result<(), String> {
     let can = (LEAST_ALPHA..=FAR).contains(&alpha);
     if can { Ok(()) } else { Err(format!("`alpha` of {alpha} m")) }
+}
+
+/// Whether a map can be called that.
+///
+/// # Errors
+/// Says that it cannot.
+pub fn check_name(name: &str) -> Result<(), String> {
+    if name.chars().any(char::is_control) {
+        return Err("a name has no control characters in it".to_owned());
+    }
+    match name.chars().count() {
+        count if count > LONGEST_NAME => {
+            Err(format!("{count} letters; a name has {LONGEST_NAME} at most"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether a robot can stand there.

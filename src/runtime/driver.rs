@@ -15,13 +15,20 @@ pub struct SimulatedDriver<W: Write> {
     run: SimulatedRun<W>,
     /// Robot time that is owed, seconds: less than a step.
     owed: f64,
+    watch: Stopwatch,
 }
 
 impl<W: Write> SimulatedDriver<W> {
-    /// Hands `run` to the operator.
+    /// Hands `run` to the operator; from now on its time on the wall clock is taken.
     #[must_use]
     pub fn new(run: SimulatedRun<W>) -> Self {
-        Self { run, owed: 0.0 }
+        Self { run, owed: 0.0, watch: Stopwatch::start() }
+    }
+
+    /// How long the operator has had the run, seconds.
+    #[must_use]
+    pub fn wall_seconds(&self) -> f64 {
+        self.watch.seconds()
     }
 
     /// The run, when the operator has left.
@@ -58,7 +65,7 @@ impl<W: Write> Driver for SimulatedDriver<W> {
     }
 
     fn export(&mut self, dir: &Path) -> Result<String, String> {
-        self.run.export(dir)
+        self.run.export(dir, self.watch.seconds())
     }
 }
 

@@ -125,7 +125,7 @@ impl OutputFolder {
 
     /// Clears away what a run left that never began: the folder is free for another try.
     pub fn discard_unbegun(&self) {
-        let journal = self.path.join("journal");
+        let journal = self.journal();
         if is_unbegun(&journal) {
             // Should it stay, it is no obstacle either.
             let _ = fs::remove_file(journal);
@@ -166,6 +166,12 @@ impl OutputFolder {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Its record.
+    #[must_use]
+    pub fn journal(&self) -> PathBuf {
+        self.path.join("journal")
     }
 
     /// Writes every result of the run. One that fails does not keep the others from being

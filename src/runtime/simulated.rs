@@ -11,13 +11,16 @@ use crate::mapping::map::{Phase, RoomMap};
 use crate::robot::{Intent, Telemetry};
 use crate::session::{Outgoing, RunState, Session, Snapshot};
 use crate::simulator::{NoiseProfile, World};
-use std::io::Write;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 /// A simulated run; `W` is where its record goes.
 pub struct SimulatedRun<W: Write> {
     session: Session,
     link: SimulatedLink,
     journal: Option<Journal<W>>,
+    /// The file that the record goes to, for [`SimulatedRun::export`] to copy.
+    journal_path: Option<PathBuf>,
     header: Header,
     said: Vec<Telemetry>,
     outgoing: Vec<Outgoing>,
@@ -44,6 +47,7 @@ impl<W: Write> SimulatedRun<W> {
             session: Session::new(settings, header.source.clone(), until),
             link,
             journal,
+            journal_path: None,
             header,
             said: Vec::new(),
             outgoing: Vec::new(),
@@ -54,6 +58,12 @@ impl<W: Write> SimulatedRun<W> {
         run.said.push(run.link.greeting());
         run.take_telemetry();
         run
+    }
+
+    /// The same run, whose record goes to the file at `path`: exports take a copy of it along.
+    #[must_use]
+    pub fn recorded_at(self, path: PathBuf) -> Self {
+        Self { journal_path: Some(path), ..self }
     }
 
     /// Takes a wish of the operator.
@@ -137,23 +147,38 @@ impl<W: Write> SimulatedRun<W> {
         Ending::of(&self.session).or_else(|| unrecorded.map(failed))
     }
 
-    /// Writes everything known so far into `dir`.
+    /// Writes everything known so far into `dir`, and the record so far: it plays back to this instant.
+    /// `wall_seconds` is how long the run took so far.
     ///
     /// # Errors
     /// In words, when the folder holds another run or cannot be written.
-    pub fn export(&mut self, dir: &std::path::Path) -> Result<String, String> {
-        OutputFolder::refuse_taken(dir).map_err(|error| error.to_string())?;
-        let (folder, _) = OutputFolder::create(dir).map_err(|error| error.to_string())?;
+    pub fn export(&mut self, dir: &Path, wall_seconds: f64) -> Result<String, String> {
+        let (folder, journal) = OutputFolder::create(dir).map_err(|error| error.to_string())?;
+        let recorded = self.copy_record(journal);
         self.conclude();
         let ending = self.ending().unwrap_or(Ending {
             outcome: Outcome::Stopped,
             reason: "exported while under way".to_owned(),
         });
-        let failures = folder.write_results(&self.record_of(&ending, 0.0));
-        match folder.complaint(Ok(()), &failures) {
+        let failures = folder.write_results(&self.record_of(&ending, wall_seconds));
+        // An empty record would say that the run never began.
+        folder.discard_unbegun();
+        match folder.complaint(recorded, &failures) {
             None => Ok(format!("written to {}", dir.display())),
             Some(complaint) => Err(complaint),
         }
+    }
+
+    /// Copies the record so far to `copy`; a run that keeps none has nothing to copy.
+    fn copy_record(&mut self, mut copy: impl Write) -> io::Result<()> {
+        let Some(journal) = &mut self.journal else { return Ok(()) };
+        journal.flush();
+        if let Some(error) = journal.error() {
+            return Err(io::Error::new(error.kind(), error.to_string()));
+        }
+        let Some(path) = &self.journal_path else { return Ok(()) };
+        io::copy(&mut std::fs::File::open(path)?, &mut copy)?;
+        copy.flush()
     }
 
     /// The record as the exports need it.
@@ -164,11 +189,11 @@ impl<W: Write> SimulatedRun<W> {
             settings: mission.settings(),
             outcome: ending.outcome,
             reason: &ending.reason,
-            world: &self.header.source,
+            world: mission.settings().name.as_deref().unwrap_or(&self.header.source),
             noise: &self.header.noise,
             progress: *self.session.progress(),
             laps: mission.laps(),
-            bumps: self.link.bumps(),
+            bumps: mission.bumps(),
             contact: self.link.contact(),
             true_path: self.true_path.as_deref(),
             wall_seconds,
@@ -205,15 +230,16 @@ impl<W: Write> Headless<W> {
         Self { run, idle: 0 }
     }
 
-    /// Ends the record and writes the results; what failed, in one message.
-    pub fn write(&mut self, folder: &OutputFolder) -> Option<String> {
+    /// Ends the record and writes the results; what failed, in one message. `wall_seconds` is how long
+    /// the run took, pauses included.
+    pub fn write(&mut self, folder: &OutputFolder, wall_seconds: f64) -> Option<String> {
         let recorded = self.finish_journal();
         self.run.conclude();
         let ending = self
             .run
             .ending()
             .unwrap_or(Ending { outcome: Outcome::Stopped, reason: Failure::Ended.to_string() });
-        let failures = folder.write_results(&self.run.record_of(&ending, 0.0));
+        let failures = folder.write_results(&self.run.record_of(&ending, wall_seconds));
         folder.complaint(recorded, &failures)
     }
 
@@ -264,7 +290,7 @@ impl<W: Write> Runner for Headless<W> {
         self.run.record_of(ending, wall_seconds)
     }
 
-    fn finish_journal(&mut self) -> std::io::Result<()> {
+    fn finish_journal(&mut self) -> io::Result<()> {
         self.run.journal.take().map_or(Ok(()), |journal| journal.finish().map(|_| ()))
     }
 }
@@ -272,35 +298,28 @@ impl<W: Write> Runner for Headless<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mapping::event::Event;
+    use crate::mapping::event::{Event, EventKind};
     use crate::mapping::settings::Settings;
+    use crate::session::Replay;
 
     /// A disk with so much room.
     struct Disk(usize);
 
     impl Write for Disk {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             let left = self.0.checked_sub(bytes.len());
-            self.0 = left.ok_or_else(|| std::io::Error::from(std::io::ErrorKind::StorageFull))?;
+            self.0 = left.ok_or_else(|| io::Error::from(io::ErrorKind::StorageFull))?;
             Ok(bytes.len())
         }
 
-        fn flush(&mut self) -> std::io::Result<()> {
+        fn flush(&mut self) -> io::Result<()> {
             Ok(())
         }
     }
 
     #[test]
     fn a_run_that_cannot_be_recorded_any_longer_is_stopped_and_again_when_it_is_set_going() {
-        let text = include_str!("../../sims/rectangle.toml");
-        let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
-        let header = Header {
-            settings: Settings::new(world.start),
-            source: world.name.clone(),
-            noise: String::new(),
-            until: None,
-            robot: None,
-        };
+        let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
         let journal = Journal::begin(Disk(100_000), &header).expect("room for the header");
         let mut run = SimulatedRun::new(&world, header, NoiseProfile::None, Some(journal));
         for times in 1..=2 {
@@ -317,5 +336,85 @@ mod tests {
             assert_eq!(ending.outcome, Outcome::Failed);
             assert!(ending.reason.contains("no storage space"), "{}", ending.reason);
         }
+    }
+
+    fn header(name: &str, text: &str) -> (World, Header) {
+        let world = World::from_toml(text, name, 0.1).expect("a world");
+        let header = Header {
+            settings: Settings::new(world.start),
+            source: world.name.clone(),
+            noise: String::new(),
+            until: None,
+            robot: None,
+        };
+        (world, header)
+    }
+
+    /// An empty place for one test, under the system's own temporary folder.
+    fn place(name: &str) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("periplus-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        path
+    }
+
+    #[test]
+    fn what_is_exported_in_mid_run_plays_back_to_that_moment() {
+        let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
+        let top = place("export-mid-run");
+        let (folder, file) = OutputFolder::create(&top.join("run")).expect("a folder");
+        let journal = Journal::begin(file, &header).expect("room for the header");
+        let run = SimulatedRun::new(&world, header, NoiseProfile::Calibrated, Some(journal));
+        let mut run = run.recorded_at(folder.journal());
+        run.intent(Intent::Run);
+        // Long after the last phase that ended has written the record, and in the middle of a motion.
+        while !(run.snapshot().time > 60.0 && run.link.is_moving()) {
+            run.advance();
+        }
+        let there = top.join("so far");
+        run.export(&there, 12.5).expect("an export");
+        let mut replay = Replay::new(crate::journal::read(&there).expect("a record"));
+        replay.finish();
+        assert_eq!(replay.difference(), None);
+        assert_eq!(replay.session().snapshot(), run.snapshot());
+        let report = std::fs::read_to_string(there.join("report.json")).expect("a report");
+        assert!(report.contains("\"wall_s\": 12.5"), "{report}");
+        assert!(run.export(&there, 13.0).is_err(), "an export over another");
+        // The run's own record goes on.
+        run.advance();
+        assert_eq!(run.journal.as_ref().and_then(Journal::error).map(ToString::to_string), None);
+        let _ = std::fs::remove_dir_all(&top);
+    }
+
+    #[test]
+    fn an_export_of_a_run_without_a_record_holds_none() {
+        let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
+        let there = place("export-unrecorded");
+        let mut run: SimulatedRun<io::Sink> =
+            SimulatedRun::new(&world, header, NoiseProfile::None, None);
+        run.export(&there, 0.0).expect("an export");
+        assert!(there.join("report.json").exists());
+        assert!(!there.join("journal").exists(), "a record of nothing");
+        let _ = std::fs::remove_dir_all(&there);
+    }
+
+    #[test]
+    fn report_screen_and_log_count_the_same_bumps() {
+        let text = "name = \"peg\"\nstart = { x = 1, y = 1, heading = 0 }\n[boundary]\n\
+                    vertices = [[0, 0], [4, 0], [4, 3], [0, 3]]\n[[objects]]\nname = \"peg\"\n\
+                    circle = { center = [2, 1.06], radius = 0.01 }\n";
+        let (world, header) = header("peg", text);
+        let mut run: SimulatedRun<io::Sink> =
+            SimulatedRun::new(&world, header, NoiseProfile::None, None);
+        run.intent(Intent::Run);
+        // The peg stands beside the beam that looks ahead, and in the body's way.
+        while run.snapshot().time < 20.0 {
+            run.advance();
+        }
+        let snapshot = run.snapshot();
+        let told = snapshot.events.iter().filter(|event| event.kind == EventKind::Bumped).count();
+        assert!(told > 0, "nothing was met");
+        let ending = Ending { outcome: Outcome::Stopped, reason: String::new() };
+        let counts = (run.record_of(&ending, 0.0).bumps as usize, snapshot.bumps as usize);
+        assert_eq!(counts, (told, told));
     }
 }

@@ -18,7 +18,8 @@ pub enum RunState {
     Stepping(Step),
     /// Stopped and latched until cleared.
     Stopped,
-    /// Everything is done.
+    /// Everything that was asked for is done. Where that was not all of the four phases, the last are not
+    /// done in [`Snapshot::progress`].
     Complete,
     /// Ended short of its goal.
     Failed(Failure),
@@ -116,9 +117,9 @@ pub struct Snapshot {
     pub settings: Settings,
     /// The newest events, oldest first; as many as the log can show.
     pub events: Vec<Event>,
-    /// Bumper contacts so far.
+    /// Motions so far that the bumper or a stall ended.
     pub bumps: u32,
-    /// What the robot is called: the world's name, or the port.
+    /// What the map or else the robot is called: the world's name, or the port.
     pub source: String,
 }
 

@@ -98,7 +98,8 @@ impl Body {
         self.contact
     }
 
-    /// How often the bumper was pressed.
+    /// How often the bumper was pressed, touches that ended no motion included. For tests
+    /// alone: what a run tells of is what the robot told its host.
     #[must_use]
     pub fn bumps(&self) -> u32 {
         self.bumps

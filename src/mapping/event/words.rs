@@ -106,6 +106,19 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// What the plan comes to.
+fn plan(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
+    let EventKind::PlanMade { lines, length, hidden_disc, over } = kind else { return Ok(()) };
+    let disc = hidden_disc * 1e3;
+    match (lines, over) {
+        (0, false) => write!(f, "plan: no line needed, hidden disc {disc:.0} mm already"),
+        (_, false) => write!(f, "plan: {lines} lines, {length:.1} m, hidden disc {disc:.0} mm"),
+        (_, true) => {
+            write!(f, "plan: {lines} lines, {length:.1} m, hidden disc {disc:.0} mm, more than α")
+        }
+    }
+}
+
 /// What is out of reach.
 fn out_of_reach(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
@@ -323,11 +336,7 @@ impl fmt::Display for EventKind {
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
             Self::ShapeFound { class, vertices, parts } => shape(f, *class, *vertices, *parts),
-            Self::PlanMade { lines, length, hidden_disc } => write!(
-                f,
-                "plan: {lines} lines, {length:.1} m, hidden disc {:.0} mm",
-                hidden_disc * 1e3
-            ),
+            Self::PlanMade { .. } => plan(f, self),
             Self::Unreached { .. } | Self::Untouched { .. } | Self::StillHidden { .. } => {
                 out_of_reach(f, self)
             }
@@ -381,6 +390,9 @@ impl fmt::Display for EventKind {
             Self::Stopped => f.write_str("stopped: nothing moves until the stop is cleared"),
             Self::StopCleared => f.write_str("stop cleared"),
             Self::AlphaSet { alpha } => write!(f, "α set to {alpha:.2} m"),
+            Self::AsFarAsAsked { phase } => {
+                write!(f, "the run was to end with the {phase} phase")
+            }
             Self::Complete => f.write_str("map complete"),
             Self::Failed { why } => write!(f, "run ended: {why}"),
         }
@@ -412,6 +424,7 @@ impl EventKind {
             | Self::SwitchDoubted { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNowhere
+            | Self::PlanMade { over: true, .. }
             | Self::Bumped
             | Self::Odd { .. }
             | Self::Alarm { .. }
@@ -419,5 +432,32 @@ impl EventKind {
             Self::Failed { .. } => Severity::Fault,
             _ => Severity::Notice,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_that_does_not_keep_the_promise_says_so() {
+        let plan = |lines, hidden_disc, over| {
+            let kind = EventKind::PlanMade { lines, length: 215.92, hidden_disc, over };
+            (kind.to_string(), kind.severity())
+        };
+        let (told, severity) = plan(46, 0.0119, true);
+        assert_eq!(told, "plan: 46 lines, 215.9 m, hidden disc 12 mm, more than α");
+        assert_eq!(severity, Severity::Warning);
+        let (told, severity) = plan(46, 0.24, false);
+        assert_eq!(told, "plan: 46 lines, 215.9 m, hidden disc 240 mm");
+        assert_eq!(severity, Severity::Notice);
+        assert_eq!(plan(0, 0.6, false).0, "plan: no line needed, hidden disc 600 mm already");
+    }
+
+    #[test]
+    fn plans_of_older_records_are_read() {
+        let text = r#"{"event":"plan_made","lines":3,"length":9.5,"hidden_disc":0.2}"#;
+        let kind: EventKind = serde_json::from_str(text).expect("an event");
+        assert_eq!(kind.to_string(), "plan: 3 lines, 9.5 m, hidden disc 200 mm");
     }
 }

@@ -329,7 +329,8 @@ impl Mission {
         let figures = plan.figures;
         self.map.plan = Some(plan);
         let (lines, length, hidden_disc) = (figures.lines, figures.length, figures.hidden_disc);
-        self.tell(EventKind::PlanMade { lines, length, hidden_disc }, out);
+        let over = hidden_disc > self.settings.alpha;
+        self.tell(EventKind::PlanMade { lines, length, hidden_disc, over }, out);
     }
 
     pub(super) fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {

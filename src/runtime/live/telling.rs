@@ -69,7 +69,7 @@ impl<W: Write> LiveRun<W> {
             settings: mission.settings(),
             outcome: ending.outcome,
             reason: &ending.reason,
-            world: &self.plan.port,
+            world: mission.settings().name.as_deref().unwrap_or(&self.plan.port),
             noise: "",
             progress: *session.progress(),
             laps: mission.laps(),

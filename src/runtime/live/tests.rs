@@ -393,3 +393,19 @@ fn faulty_lines_never_cost_more_than_the_run() {
 fn a_thousand_faulty_lines() {
     faulty_runs(0..1000);
 }
+
+#[test]
+fn a_map_with_a_name_is_called_by_it_after_a_resume_as_well() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.run.plan.settings.name = Some("the kitchen".to_owned());
+    for resumed in [false, true] {
+        assert!(rig.until(5.0, |rig| rig.run.session().is_some()), "nobody there");
+        assert_eq!(rig.run.snapshot(rig.now).source, "the kitchen", "resumed: {resumed}");
+        let ending = Ending { outcome: Outcome::Stopped, reason: String::new() };
+        let record = rig.run.record(&ending, 0.0).expect("a record");
+        assert_eq!(record.world, "the kitchen", "resumed: {resumed}");
+        if !resumed {
+            resurrect(&mut rig, 2, None);
+        }
+    }
+}

@@ -1,11 +1,10 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
 use super::{ArgumentError, chassis, config};
-use crate::console::command::ALPHA;
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
 use crate::mapping::map::Phase;
-use crate::mapping::settings::{Contour, MOST_LAPS, Settings, Strategy, check_name};
+use crate::mapping::settings::{ALPHA, Contour, MOST_LAPS, Settings, Strategy, check_name};
 use crate::mapping::tape::{Tape, TapeError};
 use crate::robot::Chassis;
 use crate::simulator::NoiseProfile;

@@ -8,6 +8,7 @@ use super::action::{ACTIONS, Action};
 use super::driver::Speed;
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
+use crate::mapping::settings::ALPHA;
 use crate::mapping::tape::{Tape, TapeError};
 use crate::spelling::nearest;
 use thiserror::Error;
@@ -20,9 +21,6 @@ pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("speed", "N", "set the speed of simulated time, or max"),
     ("export", "DIR", "write the map so far"),
 ];
-
-/// The least and greatest α that the operator may set, metres.
-pub const ALPHA: (f64, f64) = (0.05, 2.0);
 
 /// What was typed, understood.
 #[derive(Debug, Clone, PartialEq)]

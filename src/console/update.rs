@@ -2,7 +2,7 @@
 //! terminal nor the robot; the loop carries out the effects.
 
 use super::action::Action;
-use super::command::{ALPHA, Command};
+use super::command::Command;
 use super::driver::Speed;
 use super::key::Key;
 use super::layout::Regions;
@@ -10,6 +10,7 @@ use super::model::{Camera, Hint, Model, Overlay};
 use super::view::map::viewport;
 use crate::geometry::Vector;
 use crate::mapping::map::{LineStatus, PlanLine};
+use crate::mapping::settings::ALPHA;
 use crate::mapping::tape::Tape;
 use crate::robot::Intent;
 use crate::session::snapshot::{Known, RunState, Snapshot};
@@ -169,7 +170,7 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
             let clear = model.keymap.label(Action::ClearStop);
             return refuse(model, format!("stopped: {clear} clears the stop first"));
         }
-        RunState::Complete => return refuse(model, "the map is complete".to_owned()),
+        RunState::Complete => return refuse(model, "the run is complete".to_owned()),
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
         RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }

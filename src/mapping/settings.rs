@@ -31,6 +31,8 @@ pub enum Contour {
 
 /// The least α of any record, metres; what can be chosen begins higher.
 const LEAST_ALPHA: f64 = 0.01;
+/// The least and greatest α that a person may ask for, metres.
+pub const ALPHA: (f64, f64) = (0.05, 2.0);
 /// Letters of the longest name of a map.
 pub const LONGEST_NAME: usize = 200;
 /// Nobody goes round more often.

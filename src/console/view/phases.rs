@@ -22,7 +22,7 @@ pub(super) fn draw(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buf
 
 fn draw_phase(pen: &mut Pen<'_>, snapshot: &Snapshot, phase: Phase, cell: Rect) {
     let progress = &snapshot.progress[phase as usize];
-    let current = snapshot.phase == phase && !progress.done;
+    let current = snapshot.phase == phase && !progress.done && snapshot.run != RunState::Complete;
     let failed = current && matches!(snapshot.run, RunState::Failed(_));
     let (mark, role) = match (progress.done, failed, current) {
         (true, ..) => ("✓", Role::Good),

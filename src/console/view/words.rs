@@ -4,7 +4,7 @@ use super::pen::width;
 use crate::console::theme::Role;
 use crate::export::rectangle::measure;
 use crate::mapping::event::Failure;
-use crate::mapping::map::{MappedObject, ObjectClass};
+use crate::mapping::map::{MappedObject, ObjectClass, Phase};
 use crate::robot::{Command, command::Motion};
 use crate::session::snapshot::{RunState, Snapshot, Step};
 
@@ -41,6 +41,9 @@ pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
         // Over it is, but a map that does not keep its promise is none to be glad of.
         RunState::Complete if snapshot.map.shortfall().is_some() => {
             ("! NOT ALL SEEN", Role::Paused)
+        }
+        RunState::Complete if !snapshot.progress[Phase::Objects as usize].done => {
+            ("✓ AS FAR AS ASKED", Role::Complete)
         }
         RunState::Complete => ("✓ COMPLETE", Role::Complete),
         RunState::Failed(Failure::Ended) => ("■ ENDED", Role::Paused),

@@ -54,6 +54,13 @@ impl Frame {
         (self.offset.0 + from.x * self.scale, self.offset.1 - from.y * self.scale)
     }
 
+    /// The drawing's upper left and lower right corner, pixels.
+    #[must_use]
+    pub fn corners(&self) -> (Point, Point) {
+        let (x, y) = self.offset;
+        (Point::new(x, y), Point::new(x + self.width, y + self.height))
+    }
+
     /// Path data of a closed outline; arcs stay arcs.
     #[must_use]
     pub fn ring(&self, ring: &Ring) -> String {

@@ -120,8 +120,10 @@ mod tests {
 
     #[test]
     fn every_letter_that_a_picture_needs_has_strokes() {
-        let letters =
-            ('a'..='z').chain('A'..='Z').chain('0'..='9').chain(".,:;-–/()%+=°²×·α'_!?#".chars());
+        let letters = ('a'..='z')
+            .chain('A'..='Z')
+            .chain('0'..='9')
+            .chain(".,:;-–/()%+=±≥⌀°²×·α'_!?#".chars());
         for letter in letters {
             let shape = glyph(letter);
             assert_eq!(shape.letter, letter, "no glyph for `{letter}`");

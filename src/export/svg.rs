@@ -1,14 +1,24 @@
-//! `map.svg`: the picture one would show. Title and figures above, the map in the middle, scale
-//! bar and legend below. All labels are strokes, see [`super::strokes`].
+//! `map.svg`: the picture one would show. Title and figures above, the map with its dimensions in the
+//! middle, scale bar and legend below, and a table of the objects where the map has no room for their
+//! sizes. All labels are strokes, see [`super::strokes`].
 
+mod background;
+mod dimensions;
 mod figures;
+mod gaps;
+mod labels;
 mod layers;
 mod legend;
+mod pens;
+mod placement;
+mod table;
 
 use super::picture::Frame;
 use super::strokes::{Anchor, Lettering, Style, escaped};
 use super::{RunRecord, boundary};
-use crate::geometry::{Point, Vector, ring};
+use crate::geometry::{Point, Ring, Vector, ring};
+use background::Background;
+use pens::color;
 use std::fmt::Write;
 
 /// What the picture shows besides walls and objects.
@@ -36,25 +46,6 @@ impl Options {
     }
 }
 
-/// Colours, one for each meaning.
-mod color {
-    pub(super) const PAPER: &str = "#f7f5f0";
-    pub(super) const FLOOR: &str = "#ffffff";
-    pub(super) const WALL: &str = "#22303c";
-    pub(super) const SOLID: &str = "#cdd2d6";
-    pub(super) const INK: &str = "#22303c";
-    pub(super) const FAINT: &str = "#6b7782";
-    pub(super) const OBJECT: &str = "#f0d9b0";
-    pub(super) const OBJECT_EDGE: &str = "#9a6412";
-    pub(super) const PLANNED: &str = "#3b78c3";
-    pub(super) const DRIVEN: &str = "#2a9d74";
-    pub(super) const BLOCKED: &str = "#d9622b";
-    pub(super) const SKIPPED: &str = "#a3abb3";
-    pub(super) const REJECTED: &str = "#c8435a";
-    pub(super) const TRAIL: &str = "#8268b0";
-    pub(super) const START: &str = "#1f7a4d";
-}
-
 const TITLE: Style = Style { height: 17.0, weight: 0.13, color: color::INK };
 const FIGURES: Style = Style { height: 9.0, weight: 0.11, color: color::FAINT };
 /// Margin of the sheet, pixels.
@@ -62,18 +53,43 @@ const MARGIN: f64 = 34.0;
 /// Least width of the sheet, pixels: the figures need it.
 const NARROWEST: f64 = 760.0;
 
+/// What is drawn, and where on the sheet.
+struct Scene<'a> {
+    record: &'a RunRecord<'a>,
+    options: &'a Options,
+    frame: Frame,
+    /// The boundary as far as it is known, once the lap is closed.
+    wall: Option<Ring>,
+    background: Background,
+}
+
 /// The record as the text of an SVG file.
 #[must_use]
 pub fn write(record: &RunRecord<'_>, options: &Options) -> String {
     let mut letters = Lettering::default();
-    let (low, high) = extent(record);
+    let wall = boundary(record);
+    let (low, high) = extent(record, wall.as_ref());
     let frame = Frame::around(low, high, (0.0, 0.0));
     let width = (frame.width + 2.0 * MARGIN).max(NARROWEST);
-    let (head, below_head) = heading(record, width, &mut letters);
-    let frame = frame.moved(((width - frame.width) / 2.0, below_head));
-    let map = layers::draw(record, options, &frame, &mut letters);
-    let below_map = below_head + frame.height + 26.0;
-    let (foot, height) = legend::draw(record, options, &frame, (width, below_map), &mut letters);
+    let (head, below_head) = heading(record, wall.as_ref(), width, &mut letters);
+    let top = below_head + dimensions::ROOM;
+    let frame = frame.moved(((width - frame.width) / 2.0, top));
+    let background = Background::of(record, options, &frame, wall.as_ref());
+    let scene = Scene { record, options, frame, wall, background };
+
+    let labels = labels::place(&scene);
+    let mut map = layers::draw(&scene, &labels, &mut letters);
+    if let Some(ring) = &scene.wall {
+        map.push_str(&dimensions::draw(ring, &frame, &mut letters));
+    }
+    let below_map = top + frame.height + 26.0;
+    let (mut foot, mut below) = legend::draw(&scene, (width, below_map), &mut letters);
+    if labels.listed {
+        let (table, end) = table::draw(record, (width, below + 20.0), &mut letters);
+        foot.push_str(&table);
+        below = end;
+    }
+    let height = below + MARGIN - 10.0;
 
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
@@ -91,25 +107,30 @@ pub fn write(record: &RunRecord<'_>, options: &Options) -> String {
 }
 
 /// The lowest and highest corner of everything that is drawn, with room for the walls, metres.
-fn extent(record: &RunRecord<'_>) -> (Point, Point) {
+fn extent(record: &RunRecord<'_>, wall: Option<&Ring>) -> (Point, Point) {
     let mut points: Vec<Point> = vec![record.settings.start.position];
     points.extend(record.map.path.iter().map(|point| point.pose.position));
     points.extend(record.map.contacts.iter().map(|contact| contact.point));
-    for ring in boundary(record).iter().chain(record.map.objects.iter().map(|o| &o.outline)) {
+    for ring in wall.into_iter().chain(record.map.objects.iter().map(|o| &o.outline)) {
         points.extend(ring.bounds().map_or(vec![], |(low, high)| vec![low, high]));
     }
     points.retain(|point| point.iter().all(|value| value.is_finite()));
     let (low, high) = ring::bounds(&points).unwrap_or_default();
-    let room = Vector::repeat(0.03 * (high - low).amax().max(1.0));
+    let room = Vector::repeat(0.02 * (high - low).amax().max(1.0));
     (low - room, high + room)
 }
 
 /// Title and figures, and the y below them.
-fn heading(record: &RunRecord<'_>, width: f64, letters: &mut Lettering) -> (String, f64) {
+fn heading(
+    record: &RunRecord<'_>,
+    wall: Option<&Ring>,
+    width: f64,
+    letters: &mut Lettering,
+) -> (String, f64) {
     let title = shortened(record.world, width - 2.0 * MARGIN, TITLE.height);
     let mut out = letters.text(&title, MARGIN, MARGIN + 14.0, Anchor::Start, TITLE);
     let mut y = MARGIN + 36.0;
-    for line in figures::lines(record) {
+    for line in figures::lines(record, wall) {
         let line = shortened(&line, width - 2.0 * MARGIN, FIGURES.height);
         out.push_str(&letters.text(&line, MARGIN, y, Anchor::Start, FIGURES));
         y += 17.0;

@@ -1,30 +1,105 @@
 //! The figures under a picture's title, in words.
 
-use super::super::{Outcome, RunRecord, boundary};
-use crate::mapping::map::{Part, PartClass, Shape};
+use super::super::{Outcome, PHASES, RunRecord};
+use super::{Options, dimensions, pens};
+use crate::geometry::Ring;
+use crate::mapping::map::{Part, PartClass, Phase, Shape, ShapeClass};
 
-/// One line each for the place, the plan and the run.
-pub(super) fn lines(record: &RunRecord<'_>) -> Vec<String> {
-    [place(record), plan(record), Some(run(record))].into_iter().flatten().collect()
+/// One line each for the place, how well it is known, the plan, what was not reached, and the run.
+pub(super) fn lines(record: &RunRecord<'_>, wall: Option<&Ring>) -> Vec<String> {
+    let run = Some(run(record));
+    let all = [
+        wall.map(|ring| place(record, ring)),
+        errors(record),
+        plan(record),
+        unreached(record),
+        run,
+    ];
+    all.into_iter().flatten().collect()
 }
 
-fn place(record: &RunRecord<'_>) -> Option<String> {
-    let ring = boundary(record)?;
-    let mut words = vec![format!(
-        "boundary {:.2} m, {:.2} m² reachable within",
-        ring.perimeter(),
-        ring.area().abs()
-    )];
+fn place(record: &RunRecord<'_>, ring: &Ring) -> String {
+    let mut words = Vec::new();
+    words.extend(dimensions::overall(ring).map(|(x, y)| format!("{x:.2} × {y:.2} m overall")));
+    words.push(format!("{:.2} m²", ring.area().abs()));
+    words.push(format!("perimeter {:.2} m", ring.perimeter()));
     words.extend(record.map.shape.as_ref().map(shape));
-    let count = record.map.objects.len();
-    words.push(format!("{count} object{}", if count == 1 { "" } else { "s" }));
-    Some(words.join(" · "))
+    if record.map.squared.is_some() {
+        words.push("right angles made right".to_owned());
+    }
+    // Before they were looked for, none were found.
+    let [.., objects] = &record.progress;
+    if objects.done || !record.map.objects.is_empty() {
+        words.push(count(record.map.objects.len(), "object", "objects"));
+    }
+    words.join(" · ")
+}
+
+/// A number with its noun.
+fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+/// The smallest and the largest of some values, without what is no number.
+fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let mut values = values.filter(|value| value.is_finite());
+    let first = values.next()?;
+    Some(values.fold((first, first), |(low, high), v| (low.min(v), high.max(v))))
+}
+
+/// From the smallest to the largest in a unit, which may read the same.
+fn span((low, high): (f64, f64)) -> String {
+    let (low, high) = (format!("{low:.0}"), format!("{high:.0}"));
+    if low == high { low } else { format!("{low}–{high}") }
+}
+
+/// The median and the worst of each kind, as in the report.
+fn errors(record: &RunRecord<'_>) -> Option<String> {
+    let known = record.map.accuracy.as_ref()?;
+    let of = |name: &str, all: &[f64]| {
+        let mut sorted: Vec<f64> = all.iter().map(|metres| metres * 1e3).collect();
+        sorted.sort_by(f64::total_cmp);
+        let (median, worst) = (sorted.get(sorted.len() / 2)?, sorted.last()?);
+        Some(format!("{name} ± {median:.0} ({worst:.0}) mm"))
+    };
+    let objects = &known.objects[..known.objects.len().min(record.map.objects.len())];
+    let all = [of("walls", &known.walls), of("corners", &known.corners), of("objects", objects)];
+    let words: Vec<String> = all.into_iter().flatten().collect();
+    (!words.is_empty()).then(|| format!("standard errors, median (worst): {}", words.join(", ")))
+}
+
+fn unreached(record: &RunRecord<'_>) -> Option<String> {
+    let gaps = &record.map.unreached;
+    let told = |known: bool| {
+        let of_it = gaps.iter().filter(move |gap| gap.area.is_some() == known);
+        let widths = range(of_it.clone().map(|gap| gap.width * 100.0));
+        Some((of_it.count(), span(widths?)))
+    };
+    let mut words = Vec::new();
+    if let Some((number, wide)) = told(false) {
+        let stretches = count(number, "stretch of wall", "stretches of wall");
+        words.push(format!("{stretches} not touched, {wide} cm wide: gaps or short walls"));
+    }
+    if let Some((number, wide)) = told(true) {
+        let area: f64 = gaps.iter().filter_map(|gap| gap.area).sum();
+        let gaps = count(number, "gap", "gaps");
+        words.push(format!("{gaps} too narrow, {wide} cm wide, with {area:.2} m² behind"));
+    }
+    (!words.is_empty()).then(|| words.join(" · "))
 }
 
 fn shape(shape: &Shape) -> String {
-    let count = shape.vertices.len();
+    // A circle has no vertices, and what is told of one is its size.
+    if let (ShapeClass::Circle, Some((_, radius))) =
+        (shape.class, shape.parts.first().and_then(|part| part.circle))
+    {
+        return format!("circle ⌀ {:.2} m", 2.0 * radius);
+    }
+    if shape.class == ShapeClass::Circle {
+        return "circle".to_owned();
+    }
     let mut words =
-        format!("{}, {count} {}", shape.class, if count == 1 { "vertex" } else { "vertices" });
+        format!("{}, {}", shape.class, count(shape.vertices.len(), "vertex", "vertices"));
     if shape.parts.len() > 1 {
         let parts: Vec<String> = shape.parts.iter().map(part).collect();
         words = format!("{words} ({})", parts.join(" + "));
@@ -41,7 +116,7 @@ fn part(part: &Part) -> String {
         PartClass::Sector => "sector",
     };
     match part.circle {
-        Some((_, radius)) => format!("{class} r {radius:.2}"),
+        Some((_, radius)) => format!("{class} r {radius:.2} m"),
         None => class.to_owned(),
     }
 }
@@ -49,10 +124,15 @@ fn part(part: &Part) -> String {
 fn plan(record: &RunRecord<'_>) -> Option<String> {
     let plan = record.map.plan.as_ref()?;
     let strategy = format!("{:?}", plan.figures.strategy).to_lowercase();
+    let mut lines = count(plan.figures.lines, "line", "lines");
+    let drawn = |line| pens::of_line(line, plan, &Options::default());
+    let added = plan.lines.iter().filter_map(drawn).filter(|pen| *pen == pens::ADDED).count();
+    if added > 0 {
+        lines = format!("{lines} and {added} added");
+    }
     let mut words = format!(
-        "plan {strategy}, α {:.2} m: {} lines, {:.1} m, hidden disc {:.0} mm",
+        "plan {strategy}, α {:.2} m: {lines}, {:.1} m, hidden disc {:.0} mm",
         plan.alpha,
-        plan.figures.lines,
         plan.figures.length,
         plan.figures.hidden_disc * 1e3
     );
@@ -71,14 +151,14 @@ fn run(record: &RunRecord<'_>) -> String {
     let seconds: f64 = record.progress.iter().map(|phase| phase.seconds).sum();
     let travel: f64 = record.progress.iter().map(|phase| phase.travel).sum();
     let mut words = vec![outcome.to_owned()];
+    let done = PHASES.into_iter().zip(record.progress).filter(|(_, progress)| progress.done);
+    if let Some((last, _)) = done.last().filter(|(last, _)| *last != Phase::Objects) {
+        words = vec![format!("{outcome} up to the {last} phase")];
+    }
     if record.outcome != Outcome::Complete || record.map.shortfall().is_some() {
         words = vec![format!("{outcome}: {}", record.reason)];
     }
-    words.push(format!(
-        "{travel:.1} m driven in {} min {:02} s",
-        seconds as u64 / 60,
-        seconds as u64 % 60
-    ));
+    words.push(format!("{travel:.1} m driven in {}", clock(seconds)));
     if let Some(off) = &record.map.misclosure {
         let miss = crate::geometry::angle::hypot(off.dx, off.dy) * 1e3;
         words.push(format!("misclosure {miss:.0} mm"));
@@ -87,4 +167,10 @@ fn run(record: &RunRecord<'_>) -> String {
         words.push(format!("noise {}, seed {}", record.noise, record.settings.seed));
     }
     words.join(" · ")
+}
+
+/// Hours, minutes and seconds, as on the screen.
+fn clock(seconds: f64) -> String {
+    let whole = seconds.max(0.0) as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
 }

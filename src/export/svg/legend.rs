@@ -1,29 +1,26 @@
 //! Below the map: a scale bar, and what the lines and fills mean. Only what is in the picture is
 //! explained.
 
-use super::super::RunRecord;
 use super::super::picture::Frame;
 use super::super::strokes::{Anchor, Lettering, Style, width};
-use super::layers::{Pen, pen};
-use super::{FIGURES, MARGIN, Options, color};
+use super::pens::{self, Pen, color};
+use super::{FIGURES, MARGIN, Scene};
 use std::fmt::Write;
 
-const TEXT: Style = Style { height: 8.5, weight: 0.11, color: color::INK };
+pub(super) const TEXT: Style = Style { height: 8.5, weight: 0.11, color: color::INK };
 /// Length of a sample line, pixels.
 const SAMPLE: f64 = 24.0;
 
-/// Scale bar and legend on a sheet of the given width, from the given y; and the sheet's height.
+/// Scale bar and legend on a sheet of the given width, from the given y; and the y below them.
 pub(super) fn draw(
-    record: &RunRecord<'_>,
-    options: &Options,
-    frame: &Frame,
+    scene: &Scene<'_>,
     (sheet, top): (f64, f64),
     letters: &mut Lettering,
 ) -> (String, f64) {
-    let (mut out, bar) = scale_bar(frame, top, letters);
+    let (mut out, bar) = scale_bar(&scene.frame, top, letters);
     let left = MARGIN + bar + 44.0;
     let (mut x, mut y) = (left, top);
-    for (name, symbol) in items(record, options) {
+    for (name, symbol) in items(scene) {
         let needed = SAMPLE + 8.0 + width(name, TEXT.height);
         if x + needed > sheet - MARGIN && x > left {
             (x, y) = (left, y + 22.0);
@@ -32,15 +29,15 @@ pub(super) fn draw(
         let _ = writeln!(out, "<g transform=\"translate({x:.1} {y:.1})\">{symbol}</g>");
         let text = letters.text(name, x + SAMPLE + 8.0, y + 4.0, Anchor::Start, TEXT);
         out.push_str(&text);
-        x += needed + 24.0;
+        x += needed + 20.0;
     }
-    (out, y + MARGIN)
+    (out, y + 10.0)
 }
 
-/// A bar of a round length, about an eighth of the drawing; and its width in pixels.
+/// A bar of a round length, about a seventh of the drawing; and its width in pixels.
 fn scale_bar(frame: &Frame, y: f64, letters: &mut Lettering) -> (String, f64) {
     let lengths = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
-    let wanted = 130.0 / frame.scale;
+    let wanted = 170.0 / frame.scale;
     let length = lengths.into_iter().rfind(|&length| length <= wanted).unwrap_or(lengths[0]);
     let pixels = length * frame.scale;
     let mut out = format!(
@@ -55,46 +52,43 @@ fn scale_bar(frame: &Frame, y: f64, letters: &mut Lettering) -> (String, f64) {
     (out, pixels + 6.0 + width(&text, FIGURES.height))
 }
 
-/// Names and samples of everything that the picture holds.
-fn items(record: &RunRecord<'_>, options: &Options) -> Vec<(&'static str, String)> {
-    let line = |color: &str, width: f64, dashes: &str| {
-        format!(
-            "<path d=\"M0 0H{SAMPLE}\" stroke=\"{color}\" stroke-width=\"{width}\" \
-             stroke-dasharray=\"{}\" fill=\"none\"/>",
-            if dashes.is_empty() { "none" } else { dashes }
-        )
+/// Names and samples of everything that the picture holds, in the same order in every picture.
+pub(super) fn items(scene: &Scene<'_>) -> Vec<(&'static str, String)> {
+    let (map, options) = (scene.record.map, scene.options);
+    let object = |pen: &Pen| {
+        let (fill, edge) = (color::OBJECT, pen.edge());
+        format!("<rect y=\"-6\" width=\"{SAMPLE}\" height=\"12\" rx=\"2\" fill=\"{fill}\" {edge}/>")
     };
-    let map = record.map;
-    let mut all = vec![("wall", line(color::WALL, 2.2, if map.closed { "" } else { "1 4" }))];
-    if map.objects.iter().any(|object| object.closed) {
-        let sample = format!(
-            "<rect y=\"-6\" width=\"{SAMPLE}\" height=\"12\" rx=\"2\" fill=\"{}\" stroke=\"{}\" \
-             stroke-width=\"1.6\"/>",
-            color::OBJECT,
-            color::OBJECT_EDGE
-        );
-        all.push(("object", sample));
-    }
-    if map.objects.iter().any(|object| !object.closed) {
-        all.push(("object, half seen", line(color::OBJECT_EDGE, 1.8, "4 3")));
-    }
-    let mut pens: Vec<Pen> = Vec::new();
-    for pen in map.plan.iter().flat_map(|plan| &plan.lines).filter_map(|line| pen(line, options)) {
-        if !pens.contains(&pen) {
-            pens.push(pen);
-        }
-    }
-    all.extend(pens.iter().map(|pen| (pen.name, line(pen.color, pen.width + 0.4, pen.dashes))));
-    if map.shape.iter().flat_map(|shape| &shape.parts).any(|part| part.cut.contains(&true)) {
-        all.push(("cut between parts", line(color::FAINT, 1.0, "7 5")));
-    }
-    if options.trajectory && map.path.len() > 1 {
-        all.push(("trajectory", line(color::TRAIL, 1.2, "")));
-    }
+    let line = |pen: &Pen| format!("<path d=\"M0 0H{SAMPLE}\" {}/>", pen.attributes());
+    let drawn: Vec<Pen> = map
+        .plan
+        .iter()
+        .flat_map(|plan| plan.lines.iter().filter_map(|line| pens::of_line(line, plan, options)))
+        .collect();
+    let cut = map.shape.iter().flat_map(|shape| &shape.parts).any(|part| part.cut.contains(&true));
+    let seen = |half: bool| map.objects.iter().any(|object| object.closed != half);
+    let gap = |known: bool| map.unreached.iter().any(|gap| gap.area.is_some() == known);
+    let hidden = map.shortfall().is_some() && map.hidden_at.is_some();
+
+    let wall = if map.closed { pens::WALL } else { pens::TOUCHED };
+    let mut all = vec![(true, wall.name, line(&wall))];
+    all.push((seen(false), pens::OBJECT.name, object(&pens::OBJECT)));
+    all.push((seen(true), pens::HALF_SEEN.name, object(&pens::HALF_SEEN)));
+    all.push((gap(false), pens::UNTOUCHED.name, line(&pens::UNTOUCHED)));
+    all.push((gap(true), pens::NARROW.name, line(&pens::NARROW)));
+    all.push((hidden, pens::HIDDEN.name, line(&pens::HIDDEN)));
+    all.push((cut, pens::CUT.name, line(&pens::CUT)));
+    all.extend(
+        pens::OF_PLAN.map(|pen| {
+            (drawn.contains(&pen), pen.name, line(&scene.background.plan(&pen).broader()))
+        }),
+    );
+    let trajectory = options.trajectory && map.path.len() > 1;
+    all.push((trajectory, pens::TRAJECTORY.name, line(&scene.background.trajectory().broader())));
     let start = format!(
         "<g fill=\"{}\"><circle cx=\"5\" r=\"4.5\"/><path d=\"M24 0L13 -5L15.5 0L13 5Z\"/></g>",
         color::START
     );
-    all.push(("start", start));
-    all
+    all.push((true, "start", start));
+    all.into_iter().filter(|item| item.0).map(|(_, name, sample)| (name, sample)).collect()
 }

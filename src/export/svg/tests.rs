@@ -1,17 +1,36 @@
 //! The picture holds what it should, and can be turned into pixels without any font.
 
 use super::super::{png, sample};
+use super::placement::Spot;
 use super::*;
+use crate::mapping::map::{LineStatus, MappedObject, PlanLine, RoomMap};
+use crate::mapping::unreached::Unreached;
+
+fn drawn(sample: &sample::Sample) -> String {
+    write(&sample.record(), &Options::default())
+}
+
+/// Where in the drawing something begins.
+fn place(drawing: &str, what: &str) -> usize {
+    drawing.find(what).unwrap_or_else(|| panic!("no {what} in the picture"))
+}
+
+/// The labels of the drawing from a given place on, in order.
+fn labels_from(drawing: &str, what: &str) -> Vec<String> {
+    let rest = &drawing[place(drawing, what)..];
+    let labels = rest.split("aria-label=\"").skip(1);
+    labels.filter_map(|label| label.split('"').next().map(str::to_owned)).collect()
+}
 
 #[test]
 fn every_layer_of_the_sample_is_drawn_and_explained() {
-    let sample = sample::room();
-    let drawing = write(&sample.record(), &Options::default());
+    let drawing = drawn(&sample::room());
     let ids = ["boundary", "cuts", "plan-planned", "plan-driven", "plan-blocked", "trajectory"];
-    for id in ids.into_iter().chain(["object-open", "start", "scale"]) {
+    for id in ids.into_iter().chain(["object-open", "start", "scale", "dimensions"]) {
         assert!(drawing.contains(&format!("id=\"{id}\"")), "no layer {id}");
     }
-    for name in ["wall", "object", "planned", "driven", "blocked", "trajectory", "start", "O1"] {
+    let lines = ["line planned", "line driven", "line blocked", "trajectory"];
+    for name in ["wall", "object", "start", "O1"].into_iter().chain(lines) {
         assert!(drawing.contains(&format!("aria-label=\"{name}\"")), "no label {name}");
     }
     assert!(!drawing.contains("plan-rejected"), "rejected lines are drawn only when asked for");
@@ -27,10 +46,183 @@ fn the_drawing_of_a_plan_shows_what_was_rejected() {
 }
 
 #[test]
+fn walls_and_objects_lie_on_the_way_driven() {
+    let drawing = drawn(&sample::room());
+    let lines = ["trajectory", "plan-planned", "plan-driven", "plan-blocked", "cuts"];
+    let top = lines.map(|id| place(&drawing, &format!("id=\"{id}\""))).into_iter().max();
+    let object = place(&drawing, "class=\"object\"");
+    let open = place(&drawing, "id=\"object-open\"");
+    let wall = place(&drawing, "id=\"boundary\"");
+    let mark = place(&drawing, "id=\"start\"");
+    let label = place(&drawing, "aria-label=\"O1\"");
+    assert!(top < Some(object.min(open)), "a line runs over an object");
+    assert!(object.max(open) < wall && wall < mark && mark < label, "walls, start, labels on top");
+    assert!(place(&drawing, "id=\"trajectory\"") < place(&drawing, "id=\"plan-driven\""));
+}
+
+/// A colour that shines through another one is in no legend.
+#[test]
+fn every_colour_of_the_picture_is_opaque_and_in_the_legend() {
+    let drawing = drawn(&sample::room());
+    assert!(!drawing.contains("opacity"), "something shines through");
+    let map = &drawing[..place(&drawing, "id=\"scale\"")];
+    let legend = &drawing[place(&drawing, "id=\"scale\"")..];
+    for pen in pens::OF_PLAN.iter().chain([&pens::TRAJECTORY, &pens::WALL, &pens::OBJECT]) {
+        let stroke = format!("stroke=\"{}\"", pen.color);
+        assert_eq!(map.contains(&stroke), legend.contains(&stroke), "{}", pen.name);
+    }
+}
+
+#[test]
+fn the_legend_has_the_same_order_whatever_came_first() {
+    let mut sample = sample::room();
+    let before = labels_from(&drawn(&sample), "id=\"scale\"");
+    if let Some(plan) = &mut sample.map.plan {
+        plan.lines.reverse();
+    }
+    sample.map.objects.reverse();
+    assert_eq!(labels_from(&drawn(&sample), "id=\"scale\""), before);
+    let expected = [
+        "wall",
+        "object",
+        "object, half seen",
+        "cut between parts",
+        "line planned",
+        "line driven",
+        "line blocked",
+        "trajectory",
+        "start",
+    ];
+    assert_eq!(before[1..], expected, "the first is the scale bar's");
+}
+
+#[test]
+fn a_line_driven_beyond_the_plan_is_told_apart() {
+    let mut sample = sample::room();
+    assert!(!drawn(&sample).contains("line added"), "nothing was added yet");
+    if let Some(plan) = &mut sample.map.plan {
+        let more = plan.lines.iter().find(|line| line.status == LineStatus::Driven).cloned();
+        plan.lines.extend(more.map(|line| PlanLine { id: 99, ..line }));
+    }
+    let drawing = drawn(&sample);
+    assert!(drawing.contains("id=\"plan-added\"") && drawing.contains("aria-label=\"line added\""));
+    assert!(drawing.contains("3 lines and 1 added"), "the figures do not tell of it");
+}
+
+#[test]
+fn what_was_not_reached_is_drawn_and_told() {
+    let mut sample = sample::room();
+    let names = [pens::UNTOUCHED.name, pens::NARROW.name];
+    for name in names {
+        assert!(!drawn(&sample).contains(name), "{name}: there is none");
+    }
+    // A short wall that nobody touched, and a gap between the column and the wall to its left.
+    let at = |x: f64, y: f64| Point::new(x, y);
+    sample.map.unreached = vec![
+        Unreached { at: at(3.9, 0.0), width: 0.2, area: None },
+        Unreached { at: at(0.5, 1.4), width: 1.0, area: Some(0.3) },
+    ];
+    let drawing = drawn(&sample);
+    for name in names {
+        assert!(drawing.contains(&format!("aria-label=\"{name}\"")), "no legend for {name}");
+    }
+    assert!(place(&drawing, "id=\"untouched\"") > place(&drawing, "id=\"boundary\""));
+    assert!(drawing.contains("1 stretch of wall not touched, 20 cm wide"), "{drawing}");
+    assert!(drawing.contains("1 gap too narrow, 100 cm wide, with 0.30 m² behind"));
+    // The bar goes from one side of the gap to the other.
+    let bar = &drawing[place(&drawing, "id=\"narrow\"")..];
+    let data = bar.split(" d=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a bar");
+    let ends: Vec<Vec<f64>> = data[1..]
+        .split('L')
+        .map(|end| end.split(' ').map(|n| n.parse().expect("a number")).collect())
+        .collect();
+    assert!((ends[0][1] - ends[1][1]).abs() < 0.2, "it lies across the gap: {data}");
+    assert!((ends[0][0] - ends[1][0]).abs() > 200.0, "and is a metre wide: {data}");
+}
+
+#[test]
+fn room_and_objects_have_their_sizes() {
+    let mut sample = sample::room();
+    let drawing = drawn(&sample);
+    for text in ["4.00 m", "3.00 m", "⌀ 0.40 m", "0.63 × 0.32 m", "≥ 0.28 × 0.21 m"] {
+        assert!(drawing.contains(&format!("aria-label=\"{text}\"")), "no {text}: {drawing}");
+    }
+    let errors = "walls ± 4 (4) mm, corners ± 8 (12) mm, objects ± 8 (8) mm";
+    assert!(drawing.contains(errors), "no standard errors");
+    assert!(drawing.contains("37.6 m driven in 0:07:10"), "time is not as on the screen");
+    // Many are told of in a table, with the standard error of each.
+    let one = sample.map.objects[0].clone();
+    sample.map.objects = (1..=20).map(|id| MappedObject { id, ..one.clone() }).collect();
+    let drawing = drawn(&sample);
+    assert_eq!(drawing.matches("aria-label=\"⌀ 0.40 m\"").count(), 20);
+    assert_eq!(drawing.matches("aria-label=\"± 8 mm\"").count(), 3, "that many are known");
+}
+
+#[test]
+fn a_circle_has_a_diameter_and_no_vertices() {
+    let mut sample = sample::room();
+    let ring = Ring::circle(sample::COLUMN.0, 1.5);
+    if let Some(shape) = &mut sample.map.shape {
+        shape.class = crate::mapping::map::ShapeClass::Circle;
+        shape.vertices.clear();
+        shape.parts.truncate(1);
+        shape.parts[0].circle = Some((sample::COLUMN.0, 1.5));
+        shape.outline = ring;
+    }
+    let drawing = drawn(&sample);
+    assert!(drawing.contains("circle ⌀ 3.00 m ·") && !drawing.contains("vert"), "{drawing}");
+}
+
+/// Thirty columns as close together as a body passes, with numbers of two digits.
+#[test]
+fn no_label_lies_on_another() {
+    let mut sample = sample::room();
+    let one = sample.map.objects[0].clone();
+    let column = |k: u32| MappedObject {
+        id: 10 + k,
+        outline: Ring::circle(
+            Point::new(0.4 + 0.13 * f64::from(k % 6), 0.9 + 0.13 * f64::from(k / 6)),
+            0.03,
+        ),
+        ..one.clone()
+    };
+    sample.map.objects = (0..30).map(column).collect();
+    let record = sample.record();
+    let spots = |of: &RunRecord<'_>| -> Vec<Spot> {
+        let options = Options::default();
+        let wall = boundary(of);
+        let (low, high) = extent(of, wall.as_ref());
+        let frame = Frame::around(low, high, (0.0, 0.0));
+        let background = Background::of(of, &options, &frame, wall.as_ref());
+        let scene = Scene { record: of, options: &options, frame, wall, background };
+        labels::place(&scene).placed.into_iter().map(|(_, spot)| spot).collect()
+    };
+    let found = spots(&record);
+    assert_eq!(found.len(), 30, "every object has its label");
+    for (k, spot) in found.iter().enumerate() {
+        let clear = found[..k].iter().all(|other| !spot.area.meets(&other.area));
+        assert!(clear, "label {k} lies on another: {spot:?}");
+    }
+    assert_eq!(found, spots(&record), "another time, another picture");
+}
+
+#[test]
+fn a_large_hall_does_not_fill_with_lines() {
+    let mut sample = sample::room();
+    let width = |sample: &sample::Sample| {
+        let drawing = drawn(sample);
+        let layer = &drawing[place(&drawing, "id=\"trajectory\"")..];
+        let width = layer.split("stroke-width=\"").nth(1).and_then(|rest| rest.split('"').next());
+        width.and_then(|width| width.parse::<f64>().ok()).expect("a width")
+    };
+    assert_eq!(width(&sample), pens::TRAJECTORY.width);
+    sample.map.path = sample.map.path.repeat(60);
+    assert!(width(&sample) < 0.5 * pens::TRAJECTORY.width, "{}", width(&sample));
+}
+
+#[test]
 fn the_picture_has_ink_on_it() {
-    let sample = sample::room();
-    let drawing = write(&sample.record(), &Options::default());
-    let bytes = png::render(&drawing, 400).unwrap_or_else(|error| panic!("{error}"));
+    let bytes = png::render(&drawn(&sample::room()), 400).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(&bytes[1..4], b"PNG");
     assert!(bytes.len() > 5_000, "{} bytes are an empty picture", bytes.len());
 }
@@ -38,8 +230,8 @@ fn the_picture_has_ink_on_it() {
 #[test]
 fn an_empty_map_still_makes_a_picture() {
     let mut sample = sample::room();
-    sample.map = crate::mapping::map::RoomMap::default();
-    let drawing = write(&sample.record(), &Options::default());
+    sample.map = RoomMap::default();
+    let drawing = drawn(&sample);
     png::render(&drawing, 200).unwrap_or_else(|error| panic!("{error}: {drawing}"));
 }
 

@@ -1,0 +1,72 @@
+//! What the robot did not get to, as the picture shows it: stretches of the outline that nobody touched,
+//! and gaps too narrow for the body.
+
+use super::super::RunRecord;
+use super::Scene;
+use super::pens::{HIDDEN, NARROW, UNTOUCHED, color};
+use crate::geometry::{Piece, Point, Ring, Vector, perp};
+use crate::mapping::unreached::Unreached;
+
+/// Squaring and adjusting move a stretch by no more than this after it was found, metres.
+const MOVED: f64 = 0.1;
+
+/// The marks for everything unreached, and for what may hide something larger than α.
+pub(super) fn draw(scene: &Scene<'_>) -> String {
+    let (record, frame) = (scene.record, &scene.frame);
+    let map = record.map;
+    let ring = scene.wall.clone().unwrap_or_default();
+    let (mut untouched, mut narrow) = (String::new(), String::new());
+    for gap in &map.unreached {
+        match gap.area {
+            None => untouched.push_str(&frame.single(&stretch(gap, &ring))),
+            Some(_) => narrow.push_str(&frame.single(&across(gap, record, &ring))),
+        }
+    }
+    // The wall under it is taken away first: nobody knows that there is one.
+    let below = super::pens::Pen {
+        id: "untouched-floor",
+        color: color::FLOOR,
+        width: 3.2,
+        dashes: "",
+        ..UNTOUCHED
+    };
+    let mut out = below.stroke(&untouched);
+    out.push_str(&UNTOUCHED.stroke(&untouched));
+    out.push_str(&NARROW.stroke(&narrow));
+    if let (Some(owed), Some(at)) = (map.shortfall(), map.hidden_at) {
+        out.push_str(&HIDDEN.stroke(&frame.ring(&Ring::circle(at, owed.hidden / 2.0))));
+    }
+    out
+}
+
+/// The stretch of the outline that `gap` tells of.
+fn stretch(gap: &Unreached, ring: &Ring) -> Piece {
+    let off =
+        |piece: &Piece| (piece.at(0.5) - gap.at).norm().max((piece.length() - gap.width).abs());
+    let nearest = ring.pieces.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    match nearest {
+        Some(piece) if off(piece) < MOVED => *piece,
+        _ => {
+            let foot = ring.nearest(gap.at);
+            let along = foot.and_then(|f| Some(ring.pieces.get(f.piece)?.tangent(f.t)));
+            bar(gap, along.unwrap_or_else(Vector::x))
+        }
+    }
+}
+
+/// The narrowest place, from one side to the other.
+fn across(gap: &Unreached, record: &RunRecord<'_>, ring: &Ring) -> Piece {
+    let rings = record.map.objects.iter().map(|object| &object.outline).chain([ring]);
+    let nearest = rings
+        .filter_map(|ring| ring.nearest(gap.at))
+        .min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let toward = nearest.and_then(|foot| (foot.point - gap.at).try_normalize(1e-6));
+    bar(gap, toward.unwrap_or_else(|| perp(Vector::x())))
+}
+
+/// A bar as wide as the gap, `along` a direction.
+fn bar(gap: &Unreached, along: Vector) -> Piece {
+    let half = along * (gap.width / 2.0);
+    let (from, to): (Point, Point) = (gap.at - half, gap.at + half);
+    Piece::Line { from, to }
+}

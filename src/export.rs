@@ -9,7 +9,6 @@ pub mod native;
 pub mod picture;
 pub mod png;
 pub mod reach;
-pub mod rectangle;
 pub mod report;
 pub mod ros;
 pub mod strokes;

@@ -10,6 +10,7 @@ pub mod angle;
 pub mod fit;
 pub mod hull;
 pub mod index;
+pub mod measure;
 pub mod piece;
 pub mod pose;
 pub mod raster;

@@ -2,7 +2,8 @@
 
 mod outline;
 
-use super::{Outcome, PHASES, RunRecord, rectangle, rounded};
+use super::{Outcome, PHASES, RunRecord, rounded};
+use crate::geometry::measure::measure;
 use crate::mapping::calibration::{Calibration, Measured};
 use crate::mapping::map::{
     ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
@@ -241,7 +242,7 @@ fn strategy(figures: &PlanFigures) -> StrategyFigures {
 fn objects(record: &RunRecord<'_>) -> Vec<Object> {
     let error = |k: usize| Some(rounded(*record.map.accuracy.as_ref()?.objects.get(k)?, 4));
     let measured = |(k, object): (usize, &crate::mapping::map::MappedObject)| {
-        let size = rectangle::measure(&object.outline)?;
+        let size = measure(&object.outline)?;
         Some(Object {
             id: object.id,
             class: object.class,

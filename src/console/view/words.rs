@@ -2,7 +2,7 @@
 
 use super::pen::width;
 use crate::console::theme::Role;
-use crate::export::rectangle::measure;
+use crate::geometry::measure::measure;
 use crate::mapping::event::Failure;
 use crate::mapping::map::{MappedObject, ObjectClass, Phase};
 use crate::robot::{Command, command::Motion};

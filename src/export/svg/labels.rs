@@ -2,12 +2,12 @@
 //! of the sizes below the map.
 
 use super::super::picture::Frame;
-use super::super::rectangle::{self, Measure};
 use super::super::strokes::{Anchor, Lettering, Style, width};
 use super::Scene;
 use super::layers;
 use super::pens::color;
 use super::placement::{Area, Board, Outline, Spot};
+use crate::geometry::measure::{Measure, measure};
 use crate::geometry::{Point, Ring, Segment, Vector, segment};
 use crate::mapping::map::{MappedObject, ObjectClass};
 use std::fmt::Write;
@@ -37,7 +37,7 @@ pub(super) struct Labels {
 /// The size of an object in words: what it measures along its longer side and across it, or its diameter.
 /// One that was not seen all round is at least as large.
 pub(super) fn size(object: &MappedObject) -> Option<String> {
-    let Measure { width, length, .. } = rectangle::measure(&object.outline)?;
+    let Measure { width, length, .. } = measure(&object.outline)?;
     let least = if object.closed { "" } else { "≥ " };
     Some(match object.class {
         ObjectClass::Circle => format!("{least}⌀ {:.2} m", f64::midpoint(width, length)),
@@ -76,8 +76,7 @@ fn all(
     let text: Vec<Vec<String>> = objects.iter().map(lines).collect();
     for (k, object) in objects.iter().enumerate() {
         // What has no back has no inside.
-        let size =
-            rectangle::measure(&object.outline).filter(|_| object.class != ObjectClass::Open);
+        let size = measure(&object.outline).filter(|_| object.class != ObjectClass::Open);
         spots[k] = size.and_then(|size| {
             let (x, y) = frame.at(size.center);
             board.within(k, Point::new(x, y), extent(&text[k]))

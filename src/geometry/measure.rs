@@ -1,7 +1,7 @@
 //! The smallest rectangle round an object, whichever way it lies: what a person would measure
 //! with a folding rule. Knows points only.
 
-use crate::geometry::{Point, Ring, Vector, cross, perp};
+use super::{Point, Ring, Vector, cross, perp};
 
 /// Size and place of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]

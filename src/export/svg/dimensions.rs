@@ -4,6 +4,7 @@ use super::super::picture::Frame;
 use super::super::strokes::{Anchor, Lettering, Style, width};
 use super::pens::color;
 use crate::geometry::{Point, Ring};
+use std::fmt::Write;
 
 const TEXT: Style = Style { height: 8.5, weight: 0.12, color: color::FAINT };
 /// Room above and left of the drawing that the lines need, pixels.
@@ -46,7 +47,8 @@ pub(super) fn draw(ring: &Ring, frame: &Frame, letters: &mut Lettering) -> Strin
 fn dimension([from, to]: [Point; 2], text: &str, letters: &mut Lettering) -> String {
     let mut data = format!("M{:.1} {:.1}L{:.1} {:.1}", from.x, from.y, to.x, to.y);
     for end in [from, to] {
-        data.push_str(&format!("M{:.1} {:.1}l6 -6", end.x - 3.0, end.y + 3.0));
+        // Writing to a string cannot fail.
+        let _ = write!(data, "M{:.1} {:.1}l6 -6", end.x - 3.0, end.y + 3.0);
     }
     let middle = nalgebra::center(&from, &to);
     let turn = if (to.x - from.x).abs() < (to.y - from.y).abs() { -90 } else { 0 };

@@ -151,8 +151,8 @@ fn run(record: &RunRecord<'_>) -> String {
     let seconds: f64 = record.progress.iter().map(|phase| phase.seconds).sum();
     let travel: f64 = record.progress.iter().map(|phase| phase.travel).sum();
     let mut words = vec![outcome.to_owned()];
-    let done = PHASES.into_iter().zip(record.progress).filter(|(_, progress)| progress.done);
-    if let Some((last, _)) = done.last().filter(|(last, _)| *last != Phase::Objects) {
+    let mut done = PHASES.into_iter().zip(record.progress).filter(|(_, progress)| progress.done);
+    if let Some((last, _)) = done.next_back().filter(|(last, _)| *last != Phase::Objects) {
         words = vec![format!("{outcome} up to the {last} phase")];
     }
     if record.outcome != Outcome::Complete || record.map.shortfall().is_some() {

@@ -141,6 +141,33 @@ fn what_was_not_reached_is_drawn_and_told() {
 }
 
 #[test]
+fn where_something_may_hide_is_drawn_when_the_promise_is_not_kept() {
+    let mut sample = sample::room();
+    sample.map.hidden_at = Some(Point::new(2.0, 1.5));
+    sample.map.hidden_disc = Some(0.5);
+    assert!(!drawn(&sample).contains("id=\"hidden\""), "lines are still to be driven");
+    for line in sample.map.plan.iter_mut().flat_map(|plan| &mut plan.lines) {
+        line.status = LineStatus::Driven;
+    }
+    let drawing = drawn(&sample);
+    assert!(drawing.contains("id=\"hidden\""), "half a metre is more than α");
+    assert!(drawing.contains(&format!("aria-label=\"{}\"", pens::HIDDEN.name)));
+}
+
+#[test]
+fn a_run_of_the_boundary_alone_claims_no_more() {
+    let mut sample = sample::room();
+    (sample.map.plan, sample.map.objects) = (None, Vec::new());
+    let mut record = sample.record();
+    for phase in &mut record.progress[1..] {
+        phase.done = false;
+    }
+    let drawing = write(&record, &Options::default());
+    assert!(drawing.contains("complete up to the boundary phase"), "it was asked for no more");
+    assert!(!drawing.contains("0 objects"), "nobody looked for objects");
+}
+
+#[test]
 fn room_and_objects_have_their_sizes() {
     let mut sample = sample::room();
     let drawing = drawn(&sample);

@@ -84,7 +84,7 @@ fn sharp_corner(before: &Piece, after: &Piece, clearance: f64) -> Option<(f64, f
     }
     let turn = angle::wrap(angle::of(after.tangent(0.0)) - angle::of(before.tangent(1.0)));
     let inside = angle::PI - turn;
-    if turn <= 0.0 || inside >= SHARP || inside < 1e-3 {
+    if turn <= 0.0 || !(1e-3..SHARP).contains(&inside) {
         return None;
     }
     let cut = clearance / angle::tan(inside / 2.0);

@@ -15,7 +15,7 @@ pub(super) const STATE: usize = 4;
 const PIECE: usize = 48;
 /// ... and more where there would be more cuts than about this: the whole, which is solved as one, grows with
 /// them.
-const MOST_CUTS: usize = 120;
+const MOST_CUTS: usize = 50;
 /// Unknowns of the border that one equation speaks of, at most.
 const MOST: usize = 5;
 

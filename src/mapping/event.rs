@@ -291,6 +291,9 @@ pub enum EventKind {
     },
     /// An object is measured from what it stands beside.
     Tying {
+        /// Its id; 0 in records of old.
+        #[serde(default)]
+        id: u32,
         /// One standard deviation of the distance between the two so far, metres.
         sd: f64,
     },

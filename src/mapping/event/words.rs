@@ -300,11 +300,14 @@ fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
                 millimetres(sd)
             )
         }
-        EventKind::Tying { sd } => write!(
-            f,
-            "an object is placed to {:.0} mm only: measuring it from what it stands beside",
-            millimetres(sd).ceil()
-        ),
+        EventKind::Tying { id, sd } => {
+            let which = if *id > 0 { format!("object O{id}") } else { "an object".to_owned() };
+            let sd = millimetres(sd).ceil();
+            write!(
+                f,
+                "{which} is placed to {sd:.0} mm only: measuring it from what it stands beside"
+            )
+        }
         EventKind::GoesOn { diameter } => write!(
             f,
             "by that {:.0} mm may still be hidden: it is driven through as well",

@@ -49,6 +49,8 @@ const BEYOND: f64 = 0.05;
 /// Two faces that look at each other, and the way between.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
+    /// Index of the object.
+    of: usize,
     /// Where the robot's centre is when its back is at the object.
     at: Point,
     /// Unit vector from the object to what looks at it.
@@ -85,7 +87,7 @@ impl Span {
 /// The spans between the objects' faces and what they look at.
 fn spans(chart: &Chart, floor: &Floor, survey: &Survey, radius: f64) -> Vec<Span> {
     let mut found = Vec::new();
-    for ring in chart.objects() {
+    for (of, ring) in chart.objects().enumerate() {
         for piece in &ring.pieces {
             let room = piece.length() - 2.0 * MARGIN;
             if room < 0.0 {
@@ -95,21 +97,21 @@ fn spans(chart: &Chart, floor: &Floor, survey: &Survey, radius: f64) -> Vec<Span
             for k in 0..places as u32 {
                 let t = (MARGIN + room * (f64::from(k) + 0.5) / places) / piece.length();
                 let (foot, along) = (piece.at(t), -perp(piece.tangent(t)));
-                found.extend(span(chart, floor, survey, radius, foot, along));
+                found.extend(span(chart, floor, survey, radius, of, (foot, along)));
             }
         }
     }
     found
 }
 
-/// The span that begins at `foot` on an object's face and leads away from it `along`.
+/// The span that begins at a place on a face of the object `of` and leads straight away from it.
 fn span(
     chart: &Chart,
     floor: &Floor,
     survey: &Survey,
     radius: f64,
-    foot: Point,
-    along: Vector,
+    of: usize,
+    (foot, along): (Point, Vector),
 ) -> Option<Span> {
     let gap = radius + ROOM + 0.01;
     let at = foot + along * gap;
@@ -128,7 +130,7 @@ fn span(
     if far.normal.dot(&along).abs() < FACING || far.tie == near.tie {
         return None;
     }
-    Some(Span { at, along, length, spread: survey.between(&near, &far) })
+    Some(Span { of, at, along, length, spread: survey.between(&near, &far) })
 }
 
 impl Tour {
@@ -172,7 +174,8 @@ impl Tour {
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
         self.tied.push((span.at, span.along));
         self.to_tie = Some(span);
-        scene.tell.push(EventKind::Tying { sd: span.spread.sqrt() });
+        let id = scene.map.objects.get(span.of).map_or(0, |object| object.id);
+        scene.tell.push(EventKind::Tying { id, sd: span.spread.sqrt() });
         Some(Drive { purpose: Purpose::Tie, ..Drive::new(0, span.at, span.at) })
     }
 

@@ -177,7 +177,8 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     if let Known::Stale { age, .. } = snapshot.robot
         && age > SILENT
     {
-        return refuse(model, format!("the robot has not been heard for {age:.0} s"));
+        let text = format!("not heard for {age:.0} s: see to the link, or quit and --resume");
+        return refuse(model, text);
     }
     let intent = match action {
         Action::StepCommand => Intent::StepCommand,

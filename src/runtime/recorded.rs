@@ -33,8 +33,20 @@ impl RecordedDriver {
 
     fn step(&mut self, until: Landmark) {
         self.playing = false;
-        self.replay.advance_until(until);
-        self.at = self.replay.session().mission().tracker().time_us() as f64 * 1e-6;
+        let before = self.time();
+        // What happened at one instant, three phases that ended say, is seen at once.
+        loop {
+            self.replay.advance_until(until);
+            if self.time() > before || self.replay.is_over() {
+                break;
+            }
+        }
+        self.at = self.time();
+    }
+
+    /// Robot time of what is shown, seconds.
+    fn time(&self) -> f64 {
+        self.replay.session().mission().tracker().time_us() as f64 * 1e-6
     }
 }
 
@@ -189,5 +201,15 @@ mod tests {
         driver.intent(Intent::Stop);
         driver.advance(30.0);
         assert!(driver.snapshot().time < before + 31.0);
+    }
+
+    #[test]
+    fn no_step_stands_still_where_three_phases_end_at_once() {
+        let mut driver = RecordedDriver::new(Replay::new(read(&record())));
+        driver.intent(Intent::StepPhase);
+        let (time, progress) = (driver.snapshot().time, driver.snapshot().progress);
+        assert!(progress[2].done && !progress[3].done, "{progress:?}");
+        driver.intent(Intent::StepPhase);
+        assert!(driver.snapshot().time > time && driver.snapshot().progress[3].done);
     }
 }

@@ -3,8 +3,9 @@
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 use periplus::console::action::Action;
+use periplus::console::key::Key;
 use periplus::console::model::{Model, Overlay};
-use periplus::console::update::{Effect, perform};
+use periplus::console::update::{Effect, perform, press};
 use periplus::console::{Keymap, frame};
 use periplus::journal::Header;
 use periplus::mapping::settings::Settings;
@@ -70,6 +71,14 @@ fn every_phase_of_a_room_with_an_object() {
     hold("4_shape", &run.snapshot(), &Overlay::None);
     phase(&mut run);
     hold("5_plan", &run.snapshot(), &Overlay::None);
+    // No robot stands outside the room.
+    for (place, is_taken) in [("placed=1,1,0", true), ("placed=99,1,0", false)] {
+        let overlay = Overlay::Line(place.to_owned());
+        let mut model = Model { overlay, ..Model::new(80, 24, Keymap::default()) };
+        let effects = press(&mut model, &run.snapshot(), Key::parse("enter").expect("a key"));
+        let taken = matches!(effects[..], [Effect::Intent(Intent::Placed { .. })]);
+        assert_eq!(taken, is_taken, "{place}: {effects:?}");
+    }
     run.intent(Intent::SetAlpha { alpha: 0.5 });
     hold("6_plan_at_another_alpha", &run.snapshot(), &Overlay::None);
     run.intent(Intent::Run);

@@ -8,7 +8,7 @@ use super::key::Key;
 use super::layout::Regions;
 use super::model::{Camera, Hint, Model, Overlay};
 use super::view::map::viewport;
-use crate::geometry::Vector;
+use crate::geometry::{Point, Vector};
 use crate::mapping::map::{LineStatus, PlanLine};
 use crate::mapping::settings::ALPHA;
 use crate::mapping::tape::Tape;
@@ -347,8 +347,18 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
         Command::Tape(Tape { from, to, length }) => {
             vec![Effect::Intent(Intent::SetTape { from, to, length })]
         }
+        Command::Placed(Some(near)) if is_outside(snapshot, near.position) => {
+            let at = near.position;
+            refuse(model, format!("{:.2},{:.2} lies outside the room", at.x, at.y))
+        }
         Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
         Command::Speed(speed) => set_speed(model, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
     }
+}
+
+/// Whether the room is known and a place is not in it.
+fn is_outside(snapshot: &Snapshot, place: Point) -> bool {
+    let shape = snapshot.map.shape.as_ref();
+    shape.is_some_and(|shape| !shape.outline.contains(place))
 }

@@ -28,7 +28,8 @@
 //! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments; `runtime::live` is a session
 //!    with a real robot, `runtime::line` the thread that keeps its port.
 //!
-//! `spelling`, which all that reads words may ask, is what somebody likely meant.
+//! `spelling`, which all that reads words may ask, is what somebody likely meant; `wording`, which all that
+//! writes figures may ask, is how they are written.
 //!
 //! What is absent on purpose: the core never reads a clock or a file, and never sees the
 //! simulator's truth, which goes from the link to the exports alone.
@@ -49,3 +50,4 @@ pub mod session;
 pub mod simulator;
 pub mod spelling;
 pub mod wire;
+pub mod wording;

@@ -374,6 +374,7 @@ impl Session {
             robot: if self.heard { Known::Known(view) } else { Known::Unknown },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
             done: self.done.map(|(command, why)| (command, why.to_owned())),
+            alpha_is_open: self.mission.plan_is_open() && !self.run.is_over(),
             map: self.mission.map_now(),
             settings: self.mission.settings().clone(),
             events: self.events.iter().cloned().collect(),

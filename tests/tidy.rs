@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const RANKS: &[(&str, u8)] = &[
     ("geometry", 0),
     ("spelling", 0),
+    ("wording", 0),
     ("robot", 1),
     ("wire", 2),
     ("mapping", 2),

@@ -9,7 +9,6 @@ use super::layout::Regions;
 use super::model::{Camera, Hint, Model, Overlay};
 use super::view::map::viewport;
 use crate::geometry::{Point, Vector};
-use crate::mapping::map::{LineStatus, PlanLine};
 use crate::mapping::settings::ALPHA;
 use crate::mapping::tape::Tape;
 use crate::robot::Intent;
@@ -190,29 +189,16 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     vec![Effect::Intent(intent)]
 }
 
-/// Whether α may still be changed: no line of the plan was begun.
-#[must_use]
-pub fn alpha_is_open(snapshot: &Snapshot) -> bool {
-    let begun = |line: &PlanLine| {
-        matches!(line.status, LineStatus::Driving | LineStatus::Driven | LineStatus::Blocked)
-    };
-    !snapshot.run.is_over()
-        && snapshot.map.plan.as_ref().is_none_or(|plan| !plan.lines.iter().any(begun))
-}
-
 fn set_alpha(model: &mut Model, snapshot: &Snapshot, alpha: f64) -> Vec<Effect> {
-    if !alpha_is_open(snapshot) {
-        let text = "α stays as it is: lines of this plan are driven already";
+    if !snapshot.alpha_is_open {
+        let text = "α stays as it is: no plan can follow it any longer";
         return refuse(model, text.to_owned());
     }
     // Whole micrometres, so that steps up and down meet again.
     let alpha = ((alpha * 1e6).round() / 1e6).clamp(ALPHA.0, ALPHA.1);
-    if alpha == snapshot.settings.alpha {
-        tell(model, format!("α {alpha:.2} m: {}", alpha_means(alpha)));
-        return Vec::new();
-    }
     tell(model, format!("α {alpha:.2} m: {}", alpha_means(alpha)));
-    vec![Effect::Intent(Intent::SetAlpha { alpha })]
+    let changes = alpha != snapshot.settings.alpha;
+    changes.then_some(Effect::Intent(Intent::SetAlpha { alpha })).into_iter().collect()
 }
 
 fn alpha_means(alpha: f64) -> &'static str {

@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_sharp_corner_of_a_room_is_as_round_as_it_was_felt_and_a_square_one_stays() {
-        // Right angles at the origin and above it, 45 degrees at the tip.
+        // A right angle at the origin, 45 degrees at either tip.
         let corners = [(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)];
         let room = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
         let felt = felt(&room, 0.145).expect("another outline");

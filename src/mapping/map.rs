@@ -12,6 +12,7 @@ use super::square::{Squared, square};
 use super::tape::Taped;
 use super::trust::Doubted;
 use super::unreached::Unreached;
+use crate::geometry::measure::{Measure, measure};
 use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
 
@@ -238,6 +239,15 @@ pub struct Plan {
     pub alternatives: Vec<PlanFigures>,
 }
 
+impl Plan {
+    /// Whether the line `id` is one of those that the plan was made of. The others were added later, for what
+    /// those could not sweep.
+    #[must_use]
+    pub fn is_own(&self, id: u32) -> bool {
+        self.order.iter().any(|(own, _)| *own == id)
+    }
+}
+
 /// What an object looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -271,6 +281,18 @@ pub struct MappedObject {
 }
 
 impl MappedObject {
+    /// How large it is, in words: its diameter, or the longer and the shorter side of the smallest rectangle
+    /// about it. One that was not seen all round is at least as large. None where it has no extent.
+    #[must_use]
+    pub fn size(&self) -> Option<String> {
+        let Measure { width, length, .. } = measure(&self.outline)?;
+        let least = if self.closed { "" } else { "≥ " };
+        Some(match self.class {
+            ObjectClass::Circle => format!("{least}⌀ {:.2} m", f64::midpoint(width, length)),
+            _ => format!("{least}{length:.2} × {width:.2} m"),
+        })
+    }
+
     /// Moves all of it.
     pub fn displace(&mut self, displacement: impl Fn(Point) -> Vector) {
         self.outline = self.outline.deformed(&displacement);

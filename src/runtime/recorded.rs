@@ -56,6 +56,8 @@ impl Driver for RecordedDriver {
         let (at, all) = (self.at.min(self.replay.duration()), self.replay.duration());
         let sound = self.replay.difference().map_or("", |_| ", DIFFERS FROM THE RUN");
         snapshot.source = format!("replay {at:.0}/{all:.0} s of {}{sound}", snapshot.source);
+        // What happened is not changed any more.
+        snapshot.alpha_is_open = false;
         if !self.playing && !self.replay.is_complete() {
             (snapshot.run, snapshot.latched) = (RunState::Paused, false);
         }

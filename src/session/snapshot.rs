@@ -111,6 +111,8 @@ pub struct Snapshot {
     pub command: Option<(Command, String)>,
     /// Likewise the one before, once that is done.
     pub done: Option<(Command, String)>,
+    /// Whether α may still be changed: no line of the plan is driven yet.
+    pub alpha_is_open: bool,
     /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
     pub map: RoomMap,
     /// What the run was started with (α as it is now).
@@ -136,6 +138,7 @@ impl Snapshot {
             robot: Known::Unknown,
             command: None,
             done: None,
+            alpha_is_open: true,
             map: RoomMap::default(),
             settings,
             events: Vec::new(),

@@ -6,7 +6,7 @@ use crate::console::action::{ACTIONS, Action, ActionInfo};
 use crate::console::command::Command;
 use crate::console::model::{Model, Overlay};
 use crate::console::theme::{Role, Theme};
-use crate::console::update::{alpha_is_open, may_move};
+use crate::console::update::may_move;
 use crate::mapping::map::Phase;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
@@ -122,7 +122,7 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
                 snapshot.run == RunState::Paused
                     && matches!(snapshot.phase, Phase::Shape | Phase::Plan)
             }
-            Action::AlphaDown | Action::AlphaUp => alpha_is_open(snapshot),
+            Action::AlphaDown | Action::AlphaUp => snapshot.alpha_is_open,
             Action::SlowDown | Action::SpeedUp => !over && model.speed.is_some(),
             // What the map at the end leaves out.
             Action::ToggleTrajectory | Action::TogglePlan | Action::Square => over,

@@ -77,7 +77,7 @@ fn draw_objects(pen: &mut Pen<'_>, snapshot: &Snapshot, area: Rect) {
         let object = &objects[k];
         let error = errors.and_then(|errors| errors.get(k));
         let known = error.map_or_else(String::new, |error| format!("  ± {}", words::small(*error)));
-        let size = words::size(object);
+        let size = object.size().unwrap_or_default();
         pen.text(area.x + 1, y, &format!("O{}", object.id), Role::Object);
         pen.text(area.x + VALUES, y, &format!("{} {size}{known}", object.class), Role::Text);
     }
@@ -222,11 +222,9 @@ fn plan_rows(snapshot: &Snapshot) -> Vec<Row> {
         };
         let (alpha, length) = (plan.alpha, plan.figures.length);
         rows.push(row("plan", format!("{name} α {alpha:.2}, {length:.0} m"), Role::Value));
-        // What the plan's own lines could not sweep is driven by lines that came later.
-        let own = |id: u32| plan.order.iter().any(|(of_plan, _)| *of_plan == id);
         let count = |status: LineStatus, of_plan: bool| {
             let lines = plan.lines.iter().filter(|line| line.status == status);
-            lines.filter(|line| own(line.id) == of_plan).count()
+            lines.filter(|line| plan.is_own(line.id) == of_plan).count()
         };
         let whole = count(LineStatus::Driven, true);
         let blocked = count(LineStatus::Blocked, true);

@@ -2,17 +2,11 @@
 
 use super::pen::width;
 use crate::console::theme::Role;
-use crate::geometry::measure::measure;
 use crate::mapping::event::Failure;
-use crate::mapping::map::{MappedObject, ObjectClass, Phase};
+use crate::mapping::map::Phase;
 use crate::robot::{Command, command::Motion};
 use crate::session::snapshot::{RunState, Snapshot, Step};
-
-/// Hours, minutes and seconds.
-pub(super) fn clock(seconds: f64) -> String {
-    let whole = seconds.max(0.0) as u64;
-    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
-}
+pub(super) use crate::wording::{clock, count};
 
 /// A small length: millimetres below 10 m, metres from there.
 pub(super) fn small(metres: f64) -> String {
@@ -22,11 +16,6 @@ pub(super) fn small(metres: f64) -> String {
 /// Two digits after the point, and no minus before a zero.
 pub(super) fn hundredths(value: f64) -> String {
     format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0)
-}
-
-/// A count with its noun.
-pub(super) fn count(number: usize, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 /// The run state with its symbol, and what it looks like.
@@ -50,15 +39,6 @@ pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
         RunState::Failed(_) => ("✗ FAILED", Role::Failed),
     };
     (format!(" {text} "), role)
-}
-
-/// How large an object is: across where it is round, else the sides of the smallest rectangle about it.
-pub(super) fn size(object: &MappedObject) -> String {
-    match (object.class, measure(&object.outline)) {
-        (_, None) => String::new(),
-        (ObjectClass::Circle, Some(size)) => format!("⌀ {:.2} m", size.length),
-        (_, Some(size)) => format!("{:.2} × {:.2} m", size.length, size.width),
-    }
 }
 
 /// `text` broken between words into lines of at most `room` columns; a longer word is left long

@@ -4,6 +4,7 @@ use super::super::{Outcome, PHASES, RunRecord};
 use super::{Options, dimensions, pens};
 use crate::geometry::Ring;
 use crate::mapping::map::{Part, PartClass, Phase, Shape, ShapeClass};
+use crate::wording::{clock, count};
 
 /// One line each for the place, how well it is known, the plan, what was not reached, and the run.
 pub(super) fn lines(record: &RunRecord<'_>, wall: Option<&Ring>) -> Vec<String> {
@@ -33,11 +34,6 @@ fn place(record: &RunRecord<'_>, ring: &Ring) -> String {
         words.push(count(record.map.objects.len(), "object", "objects"));
     }
     words.join(" · ")
-}
-
-/// A number with its noun.
-fn count(number: usize, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 /// The smallest and the largest of some values, without what is no number.
@@ -167,10 +163,4 @@ fn run(record: &RunRecord<'_>) -> String {
         words.push(format!("noise {}, seed {}", record.noise, record.settings.seed));
     }
     words.join(" · ")
-}
-
-/// Hours, minutes and seconds, as on the screen.
-fn clock(seconds: f64) -> String {
-    let whole = seconds.max(0.0) as u64;
-    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
 }

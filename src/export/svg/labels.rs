@@ -7,7 +7,7 @@ use super::Scene;
 use super::layers;
 use super::pens::color;
 use super::placement::{Area, Board, Outline, Spot};
-use crate::geometry::measure::{Measure, measure};
+use crate::geometry::measure::measure;
 use crate::geometry::{Point, Ring, Segment, Vector, segment};
 use crate::mapping::map::{MappedObject, ObjectClass};
 use std::fmt::Write;
@@ -34,17 +34,6 @@ pub(super) struct Labels {
     pub(super) listed: bool,
 }
 
-/// The size of an object in words: what it measures along its longer side and across it, or its diameter.
-/// One that was not seen all round is at least as large.
-pub(super) fn size(object: &MappedObject) -> Option<String> {
-    let Measure { width, length, .. } = measure(&object.outline)?;
-    let least = if object.closed { "" } else { "≥ " };
-    Some(match object.class {
-        ObjectClass::Circle => format!("{least}⌀ {:.2} m", f64::midpoint(width, length)),
-        _ => format!("{least}{length:.2} × {width:.2} m"),
-    })
-}
-
 /// Finds a place for every label.
 pub(super) fn place(scene: &Scene<'_>) -> Labels {
     let (objects, frame) = (&scene.record.map.objects, &scene.frame);
@@ -52,7 +41,7 @@ pub(super) fn place(scene: &Scene<'_>) -> Labels {
     if objects.len() <= MOST_WITH_SIZE {
         let lines = |object: &MappedObject| {
             let name = format!("O{}", object.id);
-            [Some(name), size(object)].into_iter().flatten().collect()
+            [Some(name), object.size()].into_iter().flatten().collect()
         };
         let placed = all(objects, frame, empty.clone(), NEAR, lines);
         if placed.len() == objects.len() {

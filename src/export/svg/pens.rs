@@ -131,10 +131,9 @@ pub(super) fn of_line(line: &PlanLine, plan: &Plan, options: &Options) -> Option
     if line.reason == Some(LineReason::Redundant) && line.status != LineStatus::Planned {
         return None;
     }
-    let own = || plan.order.iter().any(|(id, _)| *id == line.id);
     match line.status {
         LineStatus::Planned | LineStatus::Driving => Some(PLANNED),
-        LineStatus::Driven => Some(if own() { DRIVEN } else { ADDED }),
+        LineStatus::Driven => Some(if plan.is_own(line.id) { DRIVEN } else { ADDED }),
         LineStatus::Blocked => Some(BLOCKED),
         LineStatus::Skipped => Some(SKIPPED),
         LineStatus::Rejected => options.rejected.then_some(REJECTED),

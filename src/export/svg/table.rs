@@ -3,7 +3,7 @@
 use super::super::RunRecord;
 use super::super::strokes::{Anchor, Lettering, width};
 use super::legend::TEXT;
-use super::{FIGURES, MARGIN, labels};
+use super::{FIGURES, MARGIN};
 
 /// From one line to the next, pixels.
 const LINE: f64 = 16.0;
@@ -51,7 +51,7 @@ fn entries(record: &RunRecord<'_>) -> Vec<Entry> {
     let objects = record.map.objects.iter().enumerate();
     objects
         .map(|(k, object)| {
-            let size = labels::size(object).unwrap_or_default();
+            let size = object.size().unwrap_or_default();
             [format!("O{}", object.id), size, error(k)]
         })
         .collect()

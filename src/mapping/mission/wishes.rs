@@ -7,12 +7,18 @@ use crate::mapping::tape::Tape;
 use crate::mapping::tour::Tour;
 
 impl Mission {
+    /// Whether the plan, and what it is made from, may still be changed: nothing of it is driven yet.
+    #[must_use]
+    pub fn plan_is_open(&self) -> bool {
+        let begun =
+            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
+        !begun && self.outcome == Outcome::Going
+    }
+
     /// Uses another α. The plan is made anew if there is one and none of it is driven yet; with
     /// lines driven it stays as it is, and false comes back.
     pub fn set_alpha(&mut self, alpha: f64, out: &mut Vec<Output>) -> bool {
-        let begun =
-            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
-        if begun || self.outcome != Outcome::Going {
+        if !self.plan_is_open() {
             return false;
         }
         self.settings.alpha = alpha;
@@ -49,9 +55,7 @@ impl Mission {
     /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of
     /// the plan driven the map stays as it is, and false comes back.
     pub fn set_tape(&mut self, tape: Tape, out: &mut Vec<Output>) -> bool {
-        let begun =
-            matches!(&self.task, Task::Tour(tour) | Task::Relocate(_, tour) if tour.has_begun());
-        if begun || self.outcome != Outcome::Going {
+        if !self.plan_is_open() {
             return false;
         }
         self.settings.tape = Some(tape);

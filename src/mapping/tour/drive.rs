@@ -1,5 +1,5 @@
-//! The pieces of one line that the known objects leave free, and the straight drives that a hidden
-//! disc calls for. Geometry alone: it decides nothing of the tour.
+//! The pieces of one line that the known objects leave free and why the others are left out, and the
+//! straight drives that a hidden disc calls for. Geometry alone: it decides nothing of the tour.
 
 use crate::geometry::{Point, angle};
 use crate::mapping::floor::Floor;

@@ -1,7 +1,8 @@
 //! Rooms in which things stand awkwardly: a gap that the robot passes on one side only and that would
 //! keep it going round the thing behind it for ever; a thing seen past from both sides of a gap; a post
 //! thinner than a beam is sure to meet; a wedge that holds the body on both sides; a board with no passage
-//! between it and the wall; a pocket that the robot slips into.
+//! between it and the wall; a pocket that the robot slips into; an island off the end of a wall, by a gap
+//! that is seen whole from one side and not from the other; a thin post that only its neck joins to a wall.
 
 mod common;
 
@@ -103,6 +104,30 @@ name = "box4"
 vertices = [[-3.495, -4.810], [-3.078, -5.063], [-2.969, -4.883], [-3.386, -4.630]]
 "#;
 
+const POST_ON_A_NECK: &str = r#"
+name = "a thin post off the corner of a box"
+start = { x = 1.096, y = 2.376, heading = 90.7 }
+[boundary]
+vertices = [[0.0, 3.464], [1.549, 3.464], [1.573, 3.509], [1.66, 3.464], [2.889, 3.464], [2.889, 0.0], [0.0, 0.0]]
+[[objects]]
+name = "L0"
+vertices = [[0.949, 0.307], [0.949, 0.108], [0.035, 0.108], [0.035, 0.692], [0.233, 0.692], [0.233, 0.307]]
+[[objects]]
+name = "post1"
+circle = { center = [1.142, 0.548], radius = 0.027 }
+"#;
+
+/// An island `gap` metres off the end of a wall, the robot starting at `start`.
+fn island(gap: f64, start: &str) -> String {
+    let tip = 2.6 - gap;
+    let (top, end) = (tip - 0.5, tip - 1.0);
+    format!(
+        "start = {start}\n[boundary]\nvertices = [[0, 0], [4, 0], [4, 1.3], [2.6, 1.5], [4, 1.7], \
+         [4, 3], [0, 3]]\n[[objects]]\nname = \"island\"\nvertices = [[{tip:.3}, 1.5], \
+         [{top:.3}, 1.9], [{end:.3}, 1.5], [{top:.3}, 1.1]]\n"
+    )
+}
+
 fn centre(ring: &Ring) -> Option<Point> {
     ring::bounds(&ring.to_points(0.001)).map(|(low, high)| nalgebra::center(&low, &high))
 }
@@ -162,9 +187,33 @@ fn a_robot_that_is_held_between_things_gets_out_again() {
 #[test]
 fn a_thing_without_passage_to_the_wall_is_gone_along_from_both_sides() {
     assert_eq!(wrong(NO_PASSAGE, &["wall2"]), Vec::<String>::new());
-    let world = World::from_toml(NO_PASSAGE, "room", 0.1).expect("a world");
-    let settings = Settings::new(world.start);
-    let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Objects);
-    let board = map.objects.iter().find(|o| o.outline.distance(Point::new(5.16, 2.34)) < 0.05);
-    assert!(board.is_some_and(|board| !board.closed), "its back was not seen");
+}
+
+#[test]
+fn a_gap_that_the_robot_turned_back_at_is_closed_from_the_other_side_too() {
+    let world = island(0.26, "{ x = 3.4, y = 2.4, heading = 180 }");
+    assert_eq!(wrong(&world, &["island"]), Vec::<String>::new());
+}
+
+#[test]
+fn an_island_gone_along_from_gap_to_gap_is_on_the_map() {
+    for (gap, start, all_round) in [
+        (0.27, "{ x = 3.5, y = 0.5, heading = 90 }", true),
+        (0.28, "{ x = 3.4, y = 2.4, heading = 180 }", true),
+        (0.28, "{ x = 0.5, y = 0.5, heading = 0 }", false),
+    ] {
+        let text = island(gap, start);
+        assert_eq!(wrong(&text, &["island"]), Vec::<String>::new(), "gap {gap}");
+        let world = World::from_toml(&text, "room", 0.1).expect("a world");
+        let settings = Settings::new(world.start);
+        let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Objects);
+        let of_it = |ring: &Ring| ring.distance(Point::new(2.6 - gap - 0.5, 1.9)) < 0.05;
+        let found = map.objects.iter().find(|object| of_it(&object.outline));
+        assert_eq!(found.map(|island| island.closed), Some(all_round), "gap {gap} from {start}");
+    }
+}
+
+#[test]
+fn a_thin_post_whose_neck_crosses_itself_is_on_the_map() {
+    assert_eq!(wrong(POST_ON_A_NECK, &["post1"]), Vec::<String>::new());
 }

@@ -281,6 +281,9 @@ impl Follower {
                 wall.leave_beyond(rest.pose);
                 return self.back_out("too narrow between two things: backing out");
             }
+            if Some(sensor) == self.roles.off && !self.is_known(wall, sensor) {
+                self.narrows(wall, sensor, rest);
+            }
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {
             self.stride = SHORTEST_STRIDE;
@@ -316,18 +319,21 @@ impl Follower {
         let mut step = if self.ended { ROUND_CORNER } else { self.stride };
         // Bars first: what is seen is newer.
         let bars: Vec<Seen> = self.bars(rest).collect();
-        let with_bars = |seen: &mut dyn Iterator<Item = &Sighting>| -> Vec<Seen> {
-            bars.iter().copied().chain(seen.map(Sighting::seen)).collect()
+        let seen = |bars: &[Seen], counts: fn(&&Sighting) -> bool| -> Vec<Seen> {
+            bars.iter().copied().chain(wall.near().filter(counts).map(Sighting::seen)).collect()
         };
-        let contacts = with_bars(&mut wall.near());
-        let sure = || with_bars(&mut wall.near().filter(|seen| seen.kind == ContactKind::Range));
+        let sure = |seen: &&Sighting| seen.kind == ContactKind::Range;
+        let all = |_: &&Sighting| true;
+        // Where a touch was is a guess, and what bars a gap stands nowhere: neither must hold the robot on all
+        // sides.
+        let about = [seen(&bars, all), seen(&bars, sure), seen(&[], all), seen(&[], sure)];
         let swept = self.swept.as_ref();
         let along = if self.doing == Doing::Looking { self.looked_from } else { rest.pose.heading };
-        // Where a touch was is a guess: it must not hold the robot on all sides.
         let roll = |step: f64, ended: bool| {
-            self.rolling
-                .direction(&contacts, rest.pose, step, ended, swept, along)
-                .or_else(|| self.rolling.direction(&sure(), rest.pose, step, ended, swept, along))
+            let direction = |seen: &Vec<Seen>| {
+                self.rolling.direction(seen, rest.pose, step, ended, swept, along)
+            };
+            about.iter().find_map(direction)
         };
         let mut found = roll(step, self.ended)?;
         if !self.ended && found.frontier.is_some_and(|frontier| frontier.ended) {

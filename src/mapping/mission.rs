@@ -6,6 +6,7 @@
 //! one call each is all of them. No clock, no I/O, no error: odd input becomes an event.
 
 mod again;
+mod apart;
 mod hearing;
 mod phases;
 mod place;

@@ -24,7 +24,7 @@ mod testing;
 mod tests;
 
 pub use classify::{TURN_POINT, identify, turn_points};
-pub use island::{Enclosed, enclosed};
+pub use island::{Enclosed, enclosed, lost};
 pub use neck::{islands, mouths, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 

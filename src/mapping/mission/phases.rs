@@ -10,11 +10,11 @@ use crate::mapping::circuit::Closure;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::floor::Coverage;
 use crate::mapping::lay::Overlap;
-use crate::mapping::map::{Contact, MappedObject, Phase, stretches};
+use crate::mapping::map::{Contact, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::retrace::Beside;
 use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes};
-use crate::mapping::shape::{self, Enclosed};
+use crate::mapping::shape;
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
 use crate::mapping::tour::{Scene, Tour, Turn};
@@ -247,22 +247,6 @@ impl Mission {
         if self.straighten(&outline) { self.fitted_outline() } else { Ok(outline) }
     }
 
-    /// Makes objects of what the lap went round within the room; false when there is nothing.
-    fn take_out_enclosed(&mut self, out: &mut Vec<Output>) -> bool {
-        let Enclosed { things, wall } = shape::enclosed(&self.map.contacts);
-        if things.is_empty() {
-            return false;
-        }
-        self.map.contacts = wall;
-        for contacts in things {
-            let id = self.map.next_id();
-            let (outline, class) = shape::object_outline(&contacts, true);
-            self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
-            self.tell(EventKind::ObjectApart { id }, out);
-        }
-        true
-    }
-
     /// Whether the fit has made an outline, of the room that the robot drove in.
     fn is_sound(&self, fitted: &Result<Ring, Failure>) -> bool {
         fitted.as_ref().is_ok_and(|outline| self.encloses_the_lap(outline))
@@ -277,26 +261,6 @@ impl Mission {
             (inside + usize::from(outline.contains(point.pose.position)), all + 1)
         });
         inside * 2 >= all
-    }
-
-    /// Makes objects of what only gaps too narrow to pass join to the outline; what remains of it.
-    fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
-        let chassis = &self.settings.chassis;
-        let (rest, islands) = shape::islands(outline, &self.map.contacts, &self.way, chassis);
-        // Each of them has the contacts that lie nearest to it, and the wall has the rest.
-        let (walls, own): (Vec<Contact>, Vec<Contact>) =
-            std::mem::take(&mut self.map.contacts).into_iter().partition(|contact| {
-                let off = |ring: &Ring| ring.distance(contact.point);
-                islands.iter().all(|ring| off(ring) >= off(&rest))
-            });
-        self.map.contacts = walls;
-        let parts = shape::shared_out(&own, &islands);
-        for (outline, contacts) in islands.into_iter().zip(parts) {
-            let (id, class) = (self.map.next_id(), shape::class_of(&outline));
-            self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
-            self.tell(EventKind::ObjectApart { id }, out);
-        }
-        rest
     }
 
     /// Keeps what is known of wheels and gyro, once that is more than a guess.

@@ -3,7 +3,7 @@
 //! there. Counted with their sense (every place as often as the line goes round it), they enclose the
 //! floor, and leave out what stands in it.
 
-use crate::geometry::{Point, Ring};
+use crate::geometry::{Point, Ring, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
@@ -18,6 +18,12 @@ const FEWEST: usize = 8;
 
 /// Contacts this near to the wall may be its own, metres.
 const OF_WALL: f64 = 0.02;
+/// Those that are off it by more than this, metres, are not; ...
+const OFF_WALL: f64 = 0.08;
+/// ... nearer to each other than this, metres, they are of one thing; ...
+const TOGETHER: f64 = 0.1;
+/// ... which was gone round if no two neighbouring bearings it was seen at are as far apart, radians.
+const ALL_AROUND: f64 = 2.0;
 
 /// What a lap went round.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,6 +72,43 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
     Enclosed { things, wall }
 }
 
+/// Those of the wall's `contacts` that its `outline` keeps, and things that it has lost: made well within
+/// the room, from all around. A fit that crosses itself about a thin post may leave it out altogether; what
+/// was gone round stands there all the same.
+#[must_use]
+pub fn lost(contacts: Vec<Contact>, outline: &Ring) -> (Vec<Contact>, Vec<Vec<Contact>>) {
+    let is_off = |contact: &Contact| {
+        contact.kind != ContactKind::Edge
+            && outline.contains(contact.point)
+            && outline.distance(contact.point) > OFF_WALL
+    };
+    let (off, mut kept): (Vec<Contact>, Vec<Contact>) = contacts.into_iter().partition(is_off);
+    let mut groups: Vec<Vec<Contact>> = Vec::new();
+    for contact in off {
+        let near = |other: &Contact| (other.point - contact.point).norm() < TOGETHER;
+        let (mut joined, others): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.iter().any(near));
+        groups = others;
+        // Into the one that began first, in the order of time.
+        let mut group: Vec<Contact> = joined.drain(..).flatten().collect();
+        group.push(contact);
+        groups.push(group);
+    }
+    let mut things = Vec::new();
+    for mut group in groups {
+        let middle = group.iter().map(|c| c.point.coords).sum::<Vector>() / group.len() as f64;
+        let bearings = group.iter().map(|c| angle::of(c.from.coords - middle)).collect();
+        if group.len() >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND {
+            group.sort_by(|a, b| a.time.total_cmp(&b.time));
+            things.push(group);
+        } else {
+            kept.extend(group);
+        }
+    }
+    kept.sort_by(|a, b| a.time.total_cmp(&b.time));
+    (kept, things)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::along;
@@ -82,6 +125,29 @@ mod tests {
         assert_eq!(apart.len(), 1, "{apart:?}");
         assert!(apart[0].iter().all(|c| c.point.y > 0.2 && c.point.y < 0.9));
         assert!(apart[0].len() > 20, "{}", apart[0].len());
+    }
+
+    #[test]
+    fn a_post_that_the_outline_leaves_out_is_not_lost() {
+        let walls = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)];
+        let corners: Vec<Point> = walls[..4].iter().map(|&(x, y)| Point::new(x, y)).collect();
+        let outline = Ring::polygon(&corners);
+        let post = |turns: f64| {
+            (0..16).map(move |k| {
+                let away = angle::unit(f64::from(k) * turns * angle::TAU / 16.0);
+                let (point, from) =
+                    (Point::new(1.0, 1.0) + away * 0.03, Point::new(1.0, 1.0) + away * 0.2);
+                Contact { point, from, ..along(&walls, 1.0)[0] }
+            })
+        };
+        let seen =
+            |turns: f64| along(&walls, 1.0).into_iter().chain(post(turns)).collect::<Vec<_>>();
+        let (kept, things) = lost(seen(0.9), &outline);
+        assert_eq!(things.iter().map(Vec::len).collect::<Vec<_>>(), [16]);
+        assert_eq!(kept.len(), along(&walls, 1.0).len());
+        // Seen from one side only it may be anything.
+        let (kept, things) = lost(seen(0.4), &outline);
+        assert!(things.is_empty() && kept.len() == seen(0.4).len());
     }
 
     #[test]

@@ -23,7 +23,7 @@ const END: f64 = 0.045;
 const SHORTEST: f64 = 0.05;
 /// A chord joins what was seen on both sides, and need not run straight across: it is up to as many
 /// times as long as the gap is wide.
-const SLANT: f64 = 1.2;
+const SLANT: f64 = 1.4;
 /// Where a wall ends, the outline turns away from the floor by at least this (sine).
 const WALL_ENDS: f64 = 0.17;
 /// No more than this is seen of the end face of a wall beside a gap, metres.
@@ -295,9 +295,9 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
     };
     let island = once.or_else(again)?;
     let area = island.area();
-    // A column is one arc, closed where the neck was.
+    // A column is one arc, closed where the neck was, and so is a round room.
     if island.pieces.len() < 2
-        || rest.pieces.len() < 3
+        || rest.pieces.len() < 2
         || -area < SMALLEST
         || -area > LARGEST * rest.area()
     {

@@ -75,7 +75,12 @@ impl Tour {
     ) -> Option<Ask> {
         let of_it = |seen: &&Sighting| self.is_off_boundary(seen, BESIDE_BOUNDARY);
         let surfaces = round.circuit.wall.surfaces().filter(of_it);
-        let mut contacts: Vec<Contact> = surfaces.map(Sighting::contact).collect();
+        // What it had near when it turned was seen on the way towards the boundary: the last of it comes first.
+        let turned = round.reversed.map_or(f64::NEG_INFINITY, |reversed| reversed.at);
+        let (before, after): (Vec<&Sighting>, Vec<&Sighting>) =
+            surfaces.partition(|seen| seen.travelled <= turned);
+        let mut contacts: Vec<Contact> =
+            before.into_iter().rev().chain(after).map(Sighting::contact).collect();
         // Led along the boundary instead of back, it has not seen the object again.
         let again = round.reversed.is_some_and(|reversed| {
             self.seen_since(&round, reversed.at) >= LEAST_SEEN.max(reversed.seen / 2)
@@ -112,8 +117,8 @@ impl Tour {
     }
 
     /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
-    /// last of them straight to the first, the boundary is always near, and nowhere between were they far
-    /// apart. Where the pose is lost, what was followed may have been the boundary itself.
+    /// last of them straight to the first, the boundary is always near, and each was made not far from one
+    /// before. Where the pose is lost, what was followed may have been the boundary itself.
     fn hides_behind(&self, contacts: &[Contact]) -> bool {
         let gap = self.chassis.passable_gap();
         let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
@@ -121,7 +126,11 @@ impl Tour {
         let behind = last.point - first.point;
         let steps = (behind.norm() / STEP).ceil().max(1.0);
         (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
-            && contacts.windows(2).all(|two| (two[1].point - two[0].point).norm() < gap)
+            && (1..contacts.len()).all(|k| {
+                // Not from the one just before: a look sees ahead and behind by turns.
+                let off = |other: &Contact| (other.point - contacts[k].point).norm();
+                contacts[..k].iter().rev().any(|other| off(other) < gap)
+            })
     }
 }
 

@@ -1,0 +1,63 @@
+//! What the lap went round that is no part of the wall: made objects of while the shape is found.
+
+use super::{Mission, Output};
+use crate::geometry::{Piece, Ring};
+use crate::mapping::event::EventKind;
+use crate::mapping::map::{Contact, MappedObject, ObjectClass};
+use crate::mapping::shape::{self, Enclosed};
+
+impl Mission {
+    /// Makes objects of what the lap went round within the room; false when there is nothing.
+    pub(super) fn take_out_enclosed(&mut self, out: &mut Vec<Output>) -> bool {
+        let Enclosed { things, wall } = shape::enclosed(&self.map.contacts);
+        if things.is_empty() {
+            return false;
+        }
+        self.map.contacts = wall;
+        for contacts in things {
+            let (outline, class) = shape::object_outline(&contacts, true);
+            self.stands_apart(class, outline, contacts, out);
+        }
+        true
+    }
+
+    /// Makes objects of what only gaps too narrow to pass join to the outline, and of what the outline has
+    /// lost; what remains of it.
+    pub(super) fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
+        let chassis = &self.settings.chassis;
+        let (rest, islands) = shape::islands(outline, &self.map.contacts, &self.way, chassis);
+        // Each of them has the contacts that lie nearest to it, and the wall has the rest.
+        let (walls, own): (Vec<Contact>, Vec<Contact>) =
+            std::mem::take(&mut self.map.contacts).into_iter().partition(|contact| {
+                let off = |ring: &Ring| ring.distance(contact.point);
+                islands.iter().all(|ring| off(ring) >= off(&rest))
+            });
+        let (walls, lost) = shape::lost(walls, &rest);
+        self.map.contacts = walls;
+        let parts = shape::shared_out(&own, &islands);
+        let alone = !islands.is_empty() || !lost.is_empty();
+        for (outline, contacts) in islands.into_iter().zip(parts) {
+            self.stands_apart(shape::class_of(&outline), outline, contacts, out);
+        }
+        for contacts in lost {
+            let (outline, class) = shape::object_outline(&contacts, true);
+            self.stands_apart(class, outline, contacts, out);
+        }
+        // A round room is seen to be round when nothing hangs on it any longer.
+        let round = alone.then(|| self.fitted_outline().ok()).flatten();
+        let round = round.filter(|ring| matches!(ring.pieces[..], [Piece::Arc { .. }]));
+        round.unwrap_or(rest)
+    }
+
+    fn stands_apart(
+        &mut self,
+        class: ObjectClass,
+        outline: Ring,
+        contacts: Vec<Contact>,
+        out: &mut Vec<Output>,
+    ) {
+        let id = self.map.next_id();
+        self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
+        self.tell(EventKind::ObjectApart { id }, out);
+    }
+}

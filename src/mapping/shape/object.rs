@@ -26,6 +26,10 @@ const MOST_UNSEEN: f64 = 0.5;
 const DEPTH: f64 = 0.01;
 /// Fitted anew an object is the same when its area is no more than so many times as large, or as small.
 const MOST_GROWTH: f64 = 2.0;
+/// Contacts lie on an outline within this, metres, ...
+const ON: f64 = 0.015;
+/// ... and when fewer than this share of them do, it is no picture of what was touched.
+const NEARLY_ALL: f64 = 0.9;
 /// An outline that comes as near to itself as this has come back, metres; ...
 const PINCHED: f64 = 0.001;
 /// ... and a spike is what it goes round there, if it is less than this, square metres.
@@ -41,22 +45,33 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         return (chain(contacts), ObjectClass::Open);
     }
     // The floor lies outside: the fitted ring runs clockwise round the solid.
-    let is_sound = |ring: &Ring| passes_contacts(ring, contacts);
-    let fitted = super::fitted(contacts, REACH, 0.0).map(Ring::counter_clockwise).filter(is_sound);
-    let spread = fitted.as_ref().map_or(f64::INFINITY, |ring| spread(ring, contacts));
+    let fitted = super::fitted(contacts, REACH, 0.0).map(Ring::counter_clockwise);
+    let is_sound = |ring: &&Ring| share_on(ring, contacts) >= NEARLY_ALL;
+    let fit = fitted.as_ref().filter(is_sound);
+    let spread = fit.map_or(f64::INFINITY, |ring| spread(ring, contacts));
     if let Some(ring) =
         rectangle(contacts).filter(|ring| self::spread(ring, contacts) < LOOSER * spread)
     {
         return (ring, ObjectClass::Rectangle);
     }
-    let joined =
-        || super::chain::outline(contacts, REACH).map(Ring::counter_clockwise).filter(is_sound);
-    let ring = match fitted {
+    let joined = super::chain::outline(contacts, REACH).map(Ring::counter_clockwise);
+    let join = joined.as_ref().filter(is_sound);
+    let found = match fit {
         // One with a spike is better than none.
-        Some(ring) if has_spike(&ring) => joined().filter(|other| !has_spike(other)).or(Some(ring)),
-        fitted => fitted.or_else(joined),
+        Some(ring) if has_spike(ring) => join.filter(|other| !has_spike(other)).or(fit),
+        fit => fit.or(join),
     };
-    let ring = ring.filter(|ring| !leaves_out(ring, contacts)).unwrap_or_else(|| hull(contacts));
+    let around = hull(contacts);
+    let ring = match found {
+        Some(ring) if leaves_out(ring, contacts) => around,
+        Some(ring) => ring.clone(),
+        // No picture of what was touched is any good: the best of them.
+        None => [Some(around), fitted, joined]
+            .into_iter()
+            .flatten()
+            .max_by(|a, b| share_on(a, contacts).total_cmp(&share_on(b, contacts)))
+            .unwrap_or_else(|| hull(contacts)),
+    };
     let class = class_of(&ring);
     (ring, class)
 }
@@ -146,13 +161,13 @@ fn leaves_out(ring: &Ring, contacts: &[Contact]) -> bool {
     as_close && hull.area() > FOLDED * ring.area()
 }
 
-/// Whether nearly all contacts lie on the ring: else it is no picture of what was touched.
-fn passes_contacts(ring: &Ring, contacts: &[Contact]) -> bool {
+/// Share of the contacts that lie on the ring; none do on one that encloses nothing.
+fn share_on(ring: &Ring, contacts: &[Contact]) -> f64 {
     let touched = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
     let (on, all) = touched.fold((0, 0), |(on, all), contact| {
-        (on + usize::from(ring.distance(contact.point) < 0.015), all + 1)
+        (on + u32::from(ring.distance(contact.point) < ON), all + 1)
     });
-    ring.area().abs() > 1e-5 && on * 10 >= all * 9
+    if ring.area().abs() > 1e-5 { f64::from(on) / f64::from(all.max(1)) } else { 0.0 }
 }
 
 /// Whether a spike stands out of the outline, as a touch out of line leaves one beside a thin post: it comes

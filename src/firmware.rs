@@ -19,9 +19,6 @@ pub const STEP: f64 = 0.02;
 pub const WATCHDOG: f64 = 0.3;
 /// A stop brakes so many times as hard as the end of a motion.
 const HARD: f64 = 2.0;
-/// The end of a motion may brake so many times as hard as it sped up: what is planned is braking as hard as
-/// that, and a control step of 20 ms comes late for some of it.
-const BRAKING: f64 = 1.5;
 /// What is left of a motion that is complete, metres or radians: no whole number of what either is
 /// counted in, lest the last bit decides.
 const CLOSE: f64 = 1.004e-4;
@@ -180,10 +177,7 @@ impl Firmware {
             let brake = if ending == DoneReason::Stopped { HARD * change } else { change };
             running.speed - running.speed.clamp(-brake, brake)
         } else {
-            // Either way round: a body that turns right brakes as hard as one that turns left.
-            let slower = target.abs() < running.speed.abs() || target * running.speed < 0.0;
-            let most = if slower { BRAKING * change } else { change };
-            target.clamp(running.speed - most, running.speed + most)
+            target.clamp(running.speed - change * 1.5, running.speed + change)
         };
         let ended = running.ending.or(complete.then_some(DoneReason::Complete));
         if let Some(reason) = ended

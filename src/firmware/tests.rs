@@ -269,24 +269,3 @@ fn a_motion_waits_until_the_body_is_at_rest_and_is_stopped_before_it_begins() {
     assert_eq!(robot.until_done(true).0, DoneReason::Stopped);
     assert!((robot.x() - there).abs() < 1e-12, "it moved in spite of the stop");
 }
-
-#[test]
-fn a_turn_to_the_right_is_one_to_the_left_in_a_mirror() {
-    // How many steps it takes, and by how much it goes too far, radians.
-    let ended = |angle: f64| {
-        let mut robot = Robot::at(3.0, 2.0, 0.0);
-        robot.send(turn(angle), FREE, 30.0);
-        let (mut steps, mut farthest) = (0, 0.0_f64);
-        while robot.firmware.is_moving() {
-            robot.step(true);
-            steps += 1;
-            farthest = farthest.max(robot.body.true_pose().heading * angle.signum());
-        }
-        (steps, farthest - angle.abs())
-    };
-    for angle in [0.2, 0.5957, 0.9, 1.3] {
-        let (left, right) = (ended(angle), ended(-angle));
-        assert_eq!(left.0, right.0, "steps of a turn by {angle}");
-        assert!(left.1 < 0.004 && right.1 < 0.004, "a turn by {angle}: {left:?} {right:?}");
-    }
-}

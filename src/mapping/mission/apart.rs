@@ -32,7 +32,7 @@ impl Mission {
                 let off = |ring: &Ring| ring.distance(contact.point);
                 islands.iter().all(|ring| off(ring) >= off(&rest))
             });
-        let (walls, lost) = shape::lost(walls, &rest);
+        let (walls, lost) = shape::lost(&walls, &rest);
         self.map.contacts = walls;
         let parts = shape::shared_out(&own, &islands);
         let alone = !islands.is_empty() || !lost.is_empty();

@@ -76,36 +76,36 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 /// the room, from all around. A fit that crosses itself about a thin post may leave it out altogether; what
 /// was gone round stands there all the same.
 #[must_use]
-pub fn lost(contacts: Vec<Contact>, outline: &Ring) -> (Vec<Contact>, Vec<Vec<Contact>>) {
+pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Vec<Contact>>) {
     let is_off = |contact: &Contact| {
         contact.kind != ContactKind::Edge
             && outline.contains(contact.point)
             && outline.distance(contact.point) > OFF_WALL
     };
-    let (off, mut kept): (Vec<Contact>, Vec<Contact>) = contacts.into_iter().partition(is_off);
-    let mut groups: Vec<Vec<Contact>> = Vec::new();
-    for contact in off {
-        let near = |other: &Contact| (other.point - contact.point).norm() < TOGETHER;
-        let (mut joined, others): (Vec<_>, Vec<_>) =
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, contact) in contacts.iter().enumerate().filter(|(_, contact)| is_off(contact)) {
+        let near = |other: &usize| (contacts[*other].point - contact.point).norm() < TOGETHER;
+        let (joined, others): (Vec<_>, Vec<_>) =
             groups.into_iter().partition(|group| group.iter().any(near));
         groups = others;
-        // Into the one that began first, in the order of time.
-        let mut group: Vec<Contact> = joined.drain(..).flatten().collect();
-        group.push(contact);
-        groups.push(group);
+        groups.push(joined.into_iter().flatten().chain([k]).collect());
     }
-    let mut things = Vec::new();
-    for mut group in groups {
-        let middle = group.iter().map(|c| c.point.coords).sum::<Vector>() / group.len() as f64;
-        let bearings = group.iter().map(|c| angle::of(c.from.coords - middle)).collect();
-        if group.len() >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND {
-            group.sort_by(|a, b| a.time.total_cmp(&b.time));
-            things.push(group);
-        } else {
-            kept.extend(group);
-        }
-    }
-    kept.sort_by(|a, b| a.time.total_cmp(&b.time));
+    groups.retain(|group| {
+        let sum = group.iter().map(|&k| contacts[k].point.coords).sum::<Vector>();
+        let middle = sum / group.len() as f64;
+        let bearings = group.iter().map(|&k| angle::of(contacts[k].from.coords - middle)).collect();
+        group.len() >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND
+    });
+    let things = groups
+        .iter_mut()
+        .map(|group| {
+            // In the order in which they were made.
+            group.sort_unstable();
+            group.iter().map(|&k| contacts[k]).collect()
+        })
+        .collect();
+    let is_kept = |k: &usize| groups.iter().all(|group| group.binary_search(k).is_err());
+    let kept = (0..contacts.len()).filter(is_kept).map(|k| contacts[k]).collect();
     (kept, things)
 }
 
@@ -142,11 +142,11 @@ mod tests {
         };
         let seen =
             |turns: f64| along(&walls, 1.0).into_iter().chain(post(turns)).collect::<Vec<_>>();
-        let (kept, things) = lost(seen(0.9), &outline);
+        let (kept, things) = lost(&seen(0.9), &outline);
         assert_eq!(things.iter().map(Vec::len).collect::<Vec<_>>(), [16]);
         assert_eq!(kept.len(), along(&walls, 1.0).len());
         // Seen from one side only it may be anything.
-        let (kept, things) = lost(seen(0.4), &outline);
+        let (kept, things) = lost(&seen(0.4), &outline);
         assert!(things.is_empty() && kept.len() == seen(0.4).len());
     }
 

@@ -190,7 +190,7 @@ fn a_thing_without_passage_to_the_wall_is_gone_along_from_both_sides() {
 }
 
 #[test]
-fn a_gap_that_the_robot_turned_back_at_is_closed_from_the_other_side_too() {
+fn an_island_that_the_lap_went_round_stands_apart() {
     let world = island(0.26, "{ x = 3.4, y = 2.4, heading = 180 }");
     assert_eq!(wrong(&world, &["island"]), Vec::<String>::new());
 }
@@ -214,6 +214,6 @@ fn an_island_gone_along_from_gap_to_gap_is_on_the_map() {
 }
 
 #[test]
-fn a_thin_post_whose_neck_crosses_itself_is_on_the_map() {
+fn a_thin_post_that_the_lap_went_round_is_on_the_map() {
     assert_eq!(wrong(POST_ON_A_NECK, &["post1"]), Vec::<String>::new());
 }

@@ -116,13 +116,6 @@ impl Circuit {
         Self { within, ..self }
     }
 
-    /// The same on a lap that may be of the boundary: gaps that it turns back at stay closed to it.
-    #[must_use]
-    pub fn of_the_boundary(mut self) -> Self {
-        self.follower.keeps_gaps_closed();
-        self
-    }
-
     /// The same where `known` things stand: a gap beside one of them is gone through as long as the body
     /// fits, or the robot would go round that thing instead of what it follows.
     #[must_use]

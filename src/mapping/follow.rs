@@ -132,8 +132,6 @@ pub struct Follower {
     swept: Option<Sweep>,
     body: f64,
     squeezing: bool,
-    /// Gaps that the disc does not roll through stay closed.
-    closing: bool,
     /// Outlines of what stands about and is no part of the wall.
     known: Vec<Ring>,
 }
@@ -182,7 +180,6 @@ impl Follower {
             },
             body: chassis.radius,
             squeezing: false,
-            closing: false,
             known: Vec::new(),
         }
     }
@@ -191,13 +188,6 @@ impl Follower {
     pub fn squeeze(&mut self, on: bool) {
         self.squeezing = on;
         self.rolling.radius = self.body + if on { SQUEEZED } else { self.gap };
-    }
-
-    /// A gap that it does not roll through is closed to it from either side from then on: a lap that went
-    /// through from the other side would be led round and round what stands behind it. Round a thing, which it
-    /// goes round once, it may look into its gaps as far as it gets.
-    pub fn keeps_gaps_closed(&mut self) {
-        self.closing = true;
     }
 
     /// What is `known` to stand about and to be no part of the wall makes no gap that is refused.
@@ -290,9 +280,6 @@ impl Follower {
                 wall.pull_in(sensor, self.body + BESIDE);
                 wall.leave_beyond(rest.pose);
                 return self.back_out("too narrow between two things: backing out");
-            }
-            if self.closing && Some(sensor) == self.roles.off && !self.is_known(wall, sensor) {
-                self.narrows(wall, sensor, rest);
             }
         }
         if let DoneReason::Guard { rising: false, .. } = rest.reason {

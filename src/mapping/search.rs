@@ -121,8 +121,7 @@ impl Search {
     }
 
     fn circuit_round(&self, side: Side, wall: Wall) -> Circuit {
-        let circuit =
-            Circuit::new(&self.chassis, side, wall, OVERLAP).within(self.within).of_the_boundary();
+        let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).within(self.within);
         if self.any_drift { circuit.with_any_drift() } else { circuit }
     }
 

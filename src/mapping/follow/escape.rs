@@ -3,9 +3,9 @@
 
 use super::roles::Roles;
 use super::{Ask, AtRest, Doing, Follower, SHORTEST_STRIDE};
-use crate::geometry::{Point, angle, cross};
+use crate::geometry::{Point, angle};
 use crate::mapping::lay::Seen;
-use crate::mapping::wall::{Sighting, Wall};
+use crate::mapping::wall::Wall;
 use crate::robot::{Guard, Motion};
 
 /// Out of a gap that is too narrow the robot backs this far, metres.
@@ -50,24 +50,6 @@ impl Follower {
         let hand = rest.pose.heading + self.side.sign() * angle::FRAC_PI_2;
         let beside = rest.pose.position + angle::unit(hand) * (self.body + self.gap);
         self.held.bar(beside, across);
-    }
-
-    /// What `sensor` saw on the far hand leaves between itself and the wall no gap that the disc could roll
-    /// through: the robot turns back by itself. From the other side it might see less of the gap and go
-    /// through, and would be led round and round what stands there; so the gap is closed to it from now on.
-    pub(super) fn narrows(&mut self, wall: &Wall, sensor: usize, rest: &AtRest) {
-        let by = |seen: &Sighting| seen.sensor == Some(sensor);
-        let Some(far) = wall.near().rev().find(|seen| by(seen)).map(|seen| seen.point) else {
-            return;
-        };
-        let (here, ahead) = (rest.pose.position, rest.pose.direction());
-        let at_hand = |p: &Point| self.side.sign() * cross(ahead, p - here) > 0.0;
-        let off = |p: &Point| (p - far).norm();
-        let near = wall.near().filter(|seen| !by(seen)).map(|seen| seen.point).filter(at_hand);
-        let Some(wall) = near.min_by(|a, b| off(a).total_cmp(&off(b))) else { return };
-        if (2.0 * self.body..2.0 * self.rolling.radius).contains(&off(&wall)) {
-            self.held.bar(wall, far);
-        }
     }
 
     /// What bars the gaps near the robot.

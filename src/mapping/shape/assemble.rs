@@ -6,7 +6,6 @@ use super::chain::{TOLERANCE, thinned};
 use super::corner::{Joint, Judge};
 use super::plain::plain;
 use super::segment::{Model, Run};
-use crate::geometry::raster::Grid;
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 
@@ -106,13 +105,13 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         };
         let small = crossings(&points).into_iter().find_map(|(i, k)| {
             let straight = |n: usize| vertices[owners[n]].bulge == 0.0;
-            let looped = |from: usize, to: usize| -> Vec<Point> {
-                (1..=(to + count - from) % count).map(|n| points[(from + n) % count]).collect()
+            let (from, to) = if loop_length(i, k) < SMALL {
+                (i, k)
+            } else if loop_length(k, i) < SMALL {
+                (k, i)
+            } else {
+                return None;
             };
-            let small = |&(from, to): &(usize, usize)| {
-                loop_length(from, to) < SMALL && !is_something(&looped(from, to))
-            };
-            let (from, to) = [(i, k), (k, i)].into_iter().find(small)?;
             let at =
                 meeting(points[i], points[(i + 1) % count], points[k], points[(k + 1) % count])?;
             (straight(i) && straight(k)).then_some((owners[from], owners[to], at))
@@ -132,21 +131,6 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         vertices.insert(0, Vertex { at, bulge: 0.0, run });
     }
     vertices
-}
-
-/// Whether a loop of an outline goes round something: a disc of a thin post fits into it, wherever its neck
-/// crosses. Contacts out of order make loops that enclose next to nothing.
-fn is_something(looped: &[Point]) -> bool {
-    const THIN_POST: f64 = 0.014;
-    const CELL: f64 = 0.006;
-    let ring = Ring::polygon(looped);
-    let reach = |pick: fn(f64, f64) -> f64, of: fn(&Point) -> f64| {
-        looped.iter().map(of).reduce(pick).unwrap_or(0.0)
-    };
-    let low = Point::new(reach(f64::min, |p| p.x), reach(f64::min, |p| p.y));
-    let high = Point::new(reach(f64::max, |p| p.x), reach(f64::max, |p| p.y));
-    let grid = Grid::over(low, high, CELL, 0.0);
-    (0..grid.len()).map(|k| grid.point(k)).any(|p| ring.distance(p) > THIN_POST && ring.contains(p))
 }
 
 /// Where the straight lines a-b and c-d meet.
@@ -242,6 +226,8 @@ fn chords(ring: &Ring) -> (Vec<Point>, Vec<usize>) {
 /// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again.
 fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
     const LARGEST_LOOP: f64 = 1.0;
+    // Contacts out of order make loops that enclose next to nothing.
+    const THICK: f64 = 0.012;
     for _ in 0..200 {
         let Some(&(i, k)) = crossings(&points).first() else {
             let thin = thinned(&points, TOLERANCE);
@@ -262,7 +248,7 @@ fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
         } else {
             points[k + 1..].iter().chain(&points[..=i]).copied().collect()
         };
-        if is_something(&looped) {
+        if Ring::polygon(&looped).area().abs() > THICK * inner.min(outer) {
             points[i + 1..=k].reverse();
         } else if inner <= outer {
             points.drain(i + 1..=k);

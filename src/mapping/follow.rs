@@ -316,21 +316,20 @@ impl Follower {
         let mut step = if self.ended { ROUND_CORNER } else { self.stride };
         // Bars first: what is seen is newer.
         let bars: Vec<Seen> = self.bars(rest).collect();
-        let seen = |bars: &[Seen], counts: fn(&&Sighting) -> bool| -> Vec<Seen> {
-            bars.iter().copied().chain(wall.near().filter(counts).map(Sighting::seen)).collect()
+        let seen = |bars: &[Seen], sure: bool| -> Vec<Seen> {
+            let near = wall.near().filter(|seen| !sure || seen.kind == ContactKind::Range);
+            bars.iter().copied().chain(near.map(Sighting::seen)).collect()
         };
-        let sure = |seen: &&Sighting| seen.kind == ContactKind::Range;
-        let all = |_: &&Sighting| true;
         // Where a touch was is a guess, and what bars a gap stands nowhere: neither must hold the robot on all
         // sides.
-        let about = [seen(&bars, all), seen(&bars, sure), seen(&[], all), seen(&[], sure)];
+        let about = [(&bars[..], false), (&bars[..], true), (&[][..], false), (&[][..], true)];
         let swept = self.swept.as_ref();
         let along = if self.doing == Doing::Looking { self.looked_from } else { rest.pose.heading };
         let roll = |step: f64, ended: bool| {
-            let direction = |seen: &Vec<Seen>| {
-                self.rolling.direction(seen, rest.pose, step, ended, swept, along)
-            };
-            about.iter().find_map(direction)
+            about.into_iter().find_map(|(bars, sure)| {
+                let seen = seen(bars, sure);
+                self.rolling.direction(&seen, rest.pose, step, ended, swept, along)
+            })
         };
         let mut found = roll(step, self.ended)?;
         if !self.ended && found.frontier.is_some_and(|frontier| frontier.ended) {

@@ -1,4 +1,5 @@
-//! What the lap went round that is no part of the wall: made objects of while the shape is found.
+//! What the lap went round that is no part of the wall: made objects of while the shape is found, each with
+//! its own contacts. What stands apart, the `shape` says; nothing is driven for it.
 
 use super::{Mission, Output};
 use crate::geometry::{Piece, Ring};

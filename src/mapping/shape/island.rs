@@ -1,7 +1,8 @@
 //! What a lap went round on the way although it stands apart: from both sides of a gap that it did not
 //! pass, the robot saw the same stretch of wall, and the contacts, joined in order, cross themselves
 //! there. Counted with their sense (every place as often as the line goes round it), they enclose the
-//! floor, and leave out what stands in it.
+//! floor, and leave out what stands in it. And what an outline has lost although it was gone round. Knows
+//! contacts and outlines alone; what becomes of the map, the mission decides.
 
 use crate::geometry::{Point, Ring, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};

@@ -9,6 +9,7 @@ use crate::geometry::{Piece, Point, Ring, angle, cross};
 use crate::mapping::map::{Contact, ContactKind, MappedObject, ObjectClass};
 use crate::mapping::wall::Stroke;
 use crate::robot::Chassis;
+use std::cell::LazyCell;
 
 /// The robot's reach only bounds inner corners of a bay here, metres.
 const REACH: f64 = 0.16;
@@ -54,23 +55,26 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
     {
         return (ring, ObjectClass::Rectangle);
     }
-    let joined = super::chain::outline(contacts, REACH).map(Ring::counter_clockwise);
-    let join = joined.as_ref().filter(is_sound);
+    // Untangled only where it is asked for.
+    let joined =
+        LazyCell::new(|| super::chain::outline(contacts, REACH).map(Ring::counter_clockwise));
+    let join = || joined.as_ref().filter(is_sound);
     let found = match fit {
         // One with a spike is better than none.
-        Some(ring) if has_spike(ring) => join.filter(|other| !has_spike(other)).or(fit),
-        fit => fit.or(join),
+        Some(ring) if has_spike(ring) => join().filter(|other| !has_spike(other)).or(fit),
+        fit => fit.or_else(join),
     };
-    let around = hull(contacts);
     let ring = match found {
-        Some(ring) if leaves_out(ring, contacts) => around,
-        Some(ring) => ring.clone(),
-        // No picture of what was touched is any good: the best of them.
-        None => [Some(around), fitted, joined]
-            .into_iter()
-            .flatten()
-            .max_by(|a, b| share_on(a, contacts).total_cmp(&share_on(b, contacts)))
-            .unwrap_or_else(|| hull(contacts)),
+        Some(ring) if !leaves_out(ring, contacts) => ring.clone(),
+        Some(_) => hull(contacts),
+        // None is a picture of what was touched: the one that misses fewest.
+        None => [fitted.as_ref(), joined.as_ref()].into_iter().flatten().cloned().fold(
+            hull(contacts),
+            |best, other| {
+                let is_closer = share_on(&other, contacts) >= share_on(&best, contacts);
+                if is_closer { other } else { best }
+            },
+        ),
     };
     let class = class_of(&ring);
     (ring, class)

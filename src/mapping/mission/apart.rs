@@ -4,8 +4,8 @@
 use super::{Mission, Output};
 use crate::geometry::{Piece, Ring};
 use crate::mapping::event::EventKind;
-use crate::mapping::map::{Contact, MappedObject, ObjectClass};
-use crate::mapping::shape::{self, Enclosed};
+use crate::mapping::map::Contact;
+use crate::mapping::shape::{self, Enclosed, Thing};
 
 impl Mission {
     /// Makes objects of what the lap went round within the room; false when there is nothing.
@@ -16,8 +16,7 @@ impl Mission {
         }
         self.map.contacts = wall;
         for contacts in things {
-            let (outline, class) = shape::object_outline(&contacts, true);
-            self.stands_apart(class, outline, contacts, out);
+            self.stands_apart(Thing::of(contacts), out);
         }
         true
     }
@@ -38,11 +37,11 @@ impl Mission {
         let parts = shape::shared_out(&own, &islands);
         let alone = !islands.is_empty() || !lost.is_empty();
         for (outline, contacts) in islands.into_iter().zip(parts) {
-            self.stands_apart(shape::class_of(&outline), outline, contacts, out);
+            let class = shape::class_of(&outline);
+            self.stands_apart(Thing { outline, class, contacts }, out);
         }
-        for contacts in lost {
-            let (outline, class) = shape::object_outline(&contacts, true);
-            self.stands_apart(class, outline, contacts, out);
+        for thing in lost {
+            self.stands_apart(thing, out);
         }
         // A round room is seen to be round when nothing hangs on it any longer.
         let round = alone.then(|| self.fitted_outline().ok()).flatten();
@@ -50,15 +49,9 @@ impl Mission {
         round.unwrap_or(rest)
     }
 
-    fn stands_apart(
-        &mut self,
-        class: ObjectClass,
-        outline: Ring,
-        contacts: Vec<Contact>,
-        out: &mut Vec<Output>,
-    ) {
+    fn stands_apart(&mut self, thing: Thing, out: &mut Vec<Output>) {
         let id = self.map.next_id();
-        self.map.objects.push(MappedObject { id, class, outline, closed: true, contacts });
+        self.map.objects.push(thing.numbered(id));
         self.tell(EventKind::ObjectApart { id }, out);
     }
 }

@@ -4,6 +4,7 @@
 //! floor, and leave out what stands in it. And what an outline has lost although it was gone round. Knows
 //! contacts and outlines alone; what becomes of the map, the mission decides.
 
+use super::object::Thing;
 use crate::geometry::{Point, Ring, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
 use i_overlay::core::fill_rule::FillRule;
@@ -75,9 +76,10 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 
 /// Those of the wall's `contacts` that its `outline` keeps, and things that it has lost: made well within
 /// the room, from all around. A fit that crosses itself about a thin post may leave it out altogether; what
-/// was gone round stands there all the same.
+/// was gone round stands there all the same. Where no outline runs along what was seen of it, as where the lap
+/// went round it twice, it is left for the tour to find.
 #[must_use]
-pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Vec<Contact>>) {
+pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) {
     let is_off = |contact: &Contact| {
         contact.kind != ContactKind::Edge
             && outline.contains(contact.point)
@@ -97,14 +99,16 @@ pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Vec<Cont
         let bearings = group.iter().map(|&k| angle::of(contacts[k].from.coords - middle)).collect();
         group.len() >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND
     });
-    let things = groups
-        .iter_mut()
-        .map(|group| {
-            // In the order in which they were made.
-            group.sort_unstable();
-            group.iter().map(|&k| contacts[k]).collect()
-        })
-        .collect();
+    let mut things = Vec::new();
+    groups.retain_mut(|group| {
+        // In the order in which they were made.
+        group.sort_unstable();
+        let own: Vec<Contact> = group.iter().map(|&k| contacts[k]).collect();
+        let thing = Thing::of(own);
+        let is_drawn = thing.is_drawn();
+        things.extend(is_drawn.then_some(thing));
+        is_drawn
+    });
     let is_kept = |k: &usize| groups.iter().all(|group| group.binary_search(k).is_err());
     let kept = (0..contacts.len()).filter(is_kept).map(|k| contacts[k]).collect();
     (kept, things)
@@ -144,7 +148,7 @@ mod tests {
         let seen =
             |turns: f64| along(&walls, 1.0).into_iter().chain(post(turns)).collect::<Vec<_>>();
         let (kept, things) = lost(&seen(0.9), &outline);
-        assert_eq!(things.iter().map(Vec::len).collect::<Vec<_>>(), [16]);
+        assert_eq!(things.iter().map(|thing| thing.contacts.len()).collect::<Vec<_>>(), [16]);
         assert_eq!(kept.len(), along(&walls, 1.0).len());
         // Seen from one side only it may be anything.
         let (kept, things) = lost(&seen(0.4), &outline);

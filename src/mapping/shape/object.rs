@@ -103,6 +103,22 @@ pub struct Thing {
 }
 
 impl Thing {
+    /// What was gone round all the way, from all that was seen of it.
+    #[must_use]
+    pub fn of(contacts: Vec<Contact>) -> Self {
+        let (outline, class) = object_outline(&contacts, true);
+        Self { outline, class, contacts }
+    }
+
+    /// Whether its outline runs along nearly all that was seen of it, and encloses what lies behind that: one
+    /// that comes back the way it went encloses nothing.
+    pub(super) fn is_drawn(&self) -> bool {
+        let is_solid =
+            |c: &&Contact| behind(c, DEPTH / 2.0).is_some_and(|p| self.outline.contains(p));
+        let solid = self.contacts.iter().filter(is_solid).count();
+        share_on(&self.outline, &self.contacts) >= NEARLY_ALL && 2 * solid > self.contacts.len()
+    }
+
     /// As it goes into the map.
     #[must_use]
     pub fn numbered(self, id: u32) -> MappedObject {
@@ -123,10 +139,11 @@ pub fn things(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> 
 
 /// The same of what no floor that was seen parts: things that only untouched chords join are several.
 pub(super) fn necked(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
-    let (outline, class) = object_outline(&contacts, true);
-    if class != ObjectClass::Concave {
-        return vec![Thing { outline, class, contacts }];
+    let thing = Thing::of(contacts);
+    if thing.class != ObjectClass::Concave {
+        return vec![thing];
     }
+    let Thing { outline, contacts, .. } = thing;
     let rings = super::neck::apart(outline, &contacts, strokes, chassis);
     let parts = super::neck::shared_out(&contacts, &rings);
     let thing = |(outline, contacts)| Thing { class: class_of(&outline), outline, contacts };
@@ -224,6 +241,12 @@ fn hull(contacts: &[Contact]) -> Ring {
     Ring::polygon(&corners)
 }
 
+/// What lies `depth` metres behind a contact, as seen from where it was made.
+fn behind(contact: &Contact, depth: f64) -> Option<Point> {
+    let away = (contact.point - contact.from).try_normalize(1e-9)?;
+    Some(contact.point + away * depth)
+}
+
 /// What was seen of something that was not gone round, closed by a chord: where the chord is short that is
 /// nearly all of it. Where it is long nobody knows what lies behind, and the floor on the other side, which
 /// may be the half of a room, is not taken for solid: then only what was seen counts, and a little depth.
@@ -233,11 +256,7 @@ fn chain(contacts: &[Contact]) -> Ring {
     let gone: f64 = points.windows(2).map(|two| (two[1] - two[0]).norm()).sum();
     let chord = points.first().zip(points.last()).map_or(0.0, |(a, b)| (b - a).norm());
     if chord > MOST_UNSEEN * gone {
-        let behind = |c: &Contact| {
-            let away = (c.point - c.from).try_normalize(1e-9)?;
-            Some(c.point + away * DEPTH)
-        };
-        points.extend(seen.iter().rev().filter_map(behind));
+        points.extend(seen.iter().rev().filter_map(|c| behind(c, DEPTH)));
     }
     Ring::polygon(&points).counter_clockwise()
 }
@@ -302,6 +321,19 @@ mod tests {
         let back = [(0.3, 0.2), (0.3, 0.1002), (0.2, 0.1002), (0.2, 0.2), (0.0, 0.2)];
         let necked: Vec<Point> = way.iter().chain(&back).map(|&(x, y)| Point::new(x, y)).collect();
         assert!(!has_spike(&Ring::polygon(&necked)));
+    }
+
+    #[test]
+    fn an_outline_that_comes_back_the_way_it_went_is_not_drawn() {
+        let corners = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.4), (0.0, 0.4)];
+        let seen = along(&[&corners[..], &corners[..1]].concat(), -1.0);
+        let thing = Thing::of(seen.clone());
+        assert!(thing.is_drawn(), "{:?}", thing.outline);
+        // There, and back 1 mm beside.
+        let back = [(0.001, 0.399), (0.499, 0.399), (0.499, 0.001), (0.0, 0.001)];
+        let way: Vec<Point> = corners.iter().chain(&back).map(|&(x, y)| Point::new(x, y)).collect();
+        let folded = Thing { outline: Ring::polygon(&way), ..Thing::of(seen) };
+        assert!(!folded.is_drawn(), "{} m²", folded.outline.area());
     }
 
     #[test]

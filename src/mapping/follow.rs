@@ -147,7 +147,7 @@ const BESIDE: f64 = 0.02;
 /// A step along a wall of which little is known, metres, ...
 const SHORTEST_STRIDE: f64 = 0.09;
 /// ... and along one that goes on as it did.
-const LONGEST_STRIDE: f64 = 0.50;
+pub const LONGEST_STRIDE: f64 = 0.50;
 /// A step round a corner, metres.
 const ROUND_CORNER: f64 = 0.06;
 /// Rolling round a corner never turns farther towards the wall than this at once, radians.

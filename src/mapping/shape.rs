@@ -3,6 +3,7 @@
 
 mod assemble;
 mod chain;
+mod chord;
 mod circle;
 mod classify;
 mod corner;
@@ -23,9 +24,10 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
+pub use chord::mouths;
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed, lost};
-pub use neck::{islands, mouths, shared_out};
+pub use neck::{islands, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 
 use super::event::Failure;

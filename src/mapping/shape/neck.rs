@@ -6,30 +6,18 @@
 //! worn switches laid two faces through each other and what nobody has looked at may be a board
 //! ([`super::divide`]).
 
+use super::chord::{Floor, SUPPORT, is_chord, seen_to_its_ends};
 use super::gap::Gap;
 use super::object::{necked, object_outline};
 use crate::geometry::simple::crossings;
-use crate::geometry::{Piece, Point, Ring, cross};
+use crate::geometry::{Piece, Point, Ring};
 use crate::mapping::map::{Contact, ContactKind};
 use crate::mapping::wall::Stroke;
 use crate::robot::Chassis;
 
-/// A contact this near to a chord speaks for it, metres ...
-const SUPPORT: f64 = 0.015;
-/// ... unless it is this near to its end, metres.
-const END: f64 = 0.045;
-/// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
-/// every purpose of the robot's.
-const SHORTEST: f64 = 0.05;
 /// A chord joins what was seen on both sides, and need not run straight across: it is up to as many
 /// times as long as the gap is wide.
 const SLANT: f64 = 1.4;
-/// Where a wall ends, the outline turns away from the floor by at least this (sine).
-const WALL_ENDS: f64 = 0.17;
-/// No more than this is seen of the end face of a wall beside a gap, metres.
-const END_FACE: f64 = 0.1;
-/// Narrower gaps are none that anybody would want to know of, metres.
-const NARROWEST: f64 = 0.08;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres: about as far as the
@@ -54,15 +42,6 @@ const MOST_CUTS: u32 = 20;
 const MOST_PIECES: usize = 120;
 /// Chords stand for arcs within this, metres.
 const SAGITTA: f64 = 0.001;
-
-/// On which side of an outline the robot was.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Floor {
-    /// Within: the outline of a room.
-    Inside,
-    /// Around: the outline of a thing.
-    Outside,
-}
 
 /// The outline of a room without the things that only untouched chords join to it, and the outlines
 /// of those, counter-clockwise.
@@ -151,48 +130,6 @@ pub fn shared_out(contacts: &[Contact], rings: &[Ring]) -> Vec<Vec<Contact>> {
     parts
 }
 
-/// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends from its
-/// `floor` side. What was seen from behind is the tip of something that the neck passes.
-fn is_chord(piece: &Piece, floor: Floor, touched: &[(Point, Point)], widest: f64) -> bool {
-    let length = piece.length();
-    if !matches!(piece, Piece::Line { .. }) || !(SHORTEST..widest).contains(&length) {
-        return false;
-    }
-    let (from, to) = (piece.from(), piece.to());
-    let along = (to - from) / length;
-    let end = END.min(length / 4.0);
-    let left = if floor == Floor::Inside { 1.0 } else { -1.0 };
-    !touched.iter().any(|(p, seen_from)| {
-        let s = along.dot(&(p - from));
-        let behind = left * cross(along, seen_from - p) < 0.0;
-        (end..length - end).contains(&s) && piece.distance(*p) < SUPPORT && !behind
-    })
-}
-
-/// The chords of a room's `outline` across gaps that the robot did not enter: near one end of each a
-/// wall ends, at once or behind what was seen of its end face. Between two walls that both go on
-/// behind it, a chord only cuts off their corner.
-#[must_use]
-pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Piece> {
-    let pieces = &outline.pieces;
-    let count = pieces.len();
-    let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();
-    let turns = |k: usize| {
-        let (before, after) = (&pieces[(k + count - 1) % count], &pieces[k % count]);
-        cross(before.tangent(1.0), after.tangent(0.0)) < -WALL_ENDS
-    };
-    // Corners reached from the chord over no more than an end face.
-    let face = |k: usize| pieces[k % count].length() < END_FACE;
-    let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
-    let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
-    (0..count)
-        .filter(|&k| pieces[k].length() > NARROWEST)
-        .filter(|&k| is_chord(&pieces[k], Floor::Inside, &touched, chassis.passable_gap()))
-        .filter(|&k| ends_before(k) || ends_after(k))
-        .map(|k| pieces[k])
-        .collect()
-}
-
 /// The two parts of `outline`, where two chords join them and nothing else does: for a room, its
 /// outline and what stands in it.
 fn cut(
@@ -201,12 +138,25 @@ fn cut(
     floor: Floor,
     chassis: &Chassis,
 ) -> Option<(Ring, Ring)> {
-    let pieces = &outline.pieces;
     let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
     let touched: Vec<(Point, Point)> = surfaces.map(|c| (c.point, c.from)).collect();
     let widest = SLANT * chassis.passable_gap();
+    let cut = |outline: &Ring| cut_at_chords(outline, contacts, &touched, floor, chassis);
+    cut(outline).or_else(|| cut(&seen_to_its_ends(outline, floor, &touched, widest)?))
+}
+
+/// The same where the chords are pieces of `outline` as it is.
+fn cut_at_chords(
+    outline: &Ring,
+    contacts: &[Contact],
+    touched: &[(Point, Point)],
+    floor: Floor,
+    chassis: &Chassis,
+) -> Option<(Ring, Ring)> {
+    let pieces = &outline.pieces;
+    let widest = SLANT * chassis.passable_gap();
     let chords: Vec<usize> =
-        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], floor, &touched, widest)).collect();
+        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], floor, touched, widest)).collect();
     let width = |i: usize, k: usize| {
         let (a, b) = (&pieces[i], &pieces[k]);
         (a.from() - b.to()).norm().max((a.to() - b.from()).norm())

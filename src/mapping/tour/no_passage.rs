@@ -5,7 +5,7 @@ use super::rounds::{Round, here};
 use super::{Doing, Scene, Tour};
 use crate::geometry::Point;
 use crate::mapping::event::{EventKind, Failure};
-use crate::mapping::follow::{Ask, Side};
+use crate::mapping::follow::{Ask, LONGEST_STRIDE, Side};
 use crate::mapping::map::{Contact, MappedObject};
 use crate::mapping::shape::{KNOWN, things};
 use crate::mapping::survey::Hung;
@@ -117,8 +117,8 @@ impl Tour {
     }
 
     /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
-    /// last of them straight to the first, the boundary is always near, and each was made not far from one
-    /// before. Where the pose is lost, what was followed may have been the boundary itself.
+    /// last of them straight to the first, the boundary is always near, and each was made no farther than a stride
+    /// from one before. Where the pose is lost, what was followed may have been the boundary itself.
     fn hides_behind(&self, contacts: &[Contact]) -> bool {
         let gap = self.chassis.passable_gap();
         let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
@@ -129,7 +129,7 @@ impl Tour {
             && (1..contacts.len()).all(|k| {
                 // Not from the one just before: a look sees ahead and behind by turns.
                 let off = |other: &Contact| (other.point - contacts[k].point).norm();
-                contacts[..k].iter().rev().any(|other| off(other) < gap)
+                contacts[..k].iter().rev().any(|other| off(other) < LONGEST_STRIDE)
             })
     }
 }

@@ -1,0 +1,173 @@
+//! Chords: pieces of an outline that cross a gap which the robot did not enter. Nobody has touched them; they
+//! only join what was seen on both sides. Knows an outline and its contacts, not what stands behind the gap.
+
+use crate::geometry::{Piece, Point, Ring, cross};
+use crate::mapping::map::Contact;
+use crate::robot::Chassis;
+
+/// A contact this near to a chord speaks for it, metres ...
+pub(super) const SUPPORT: f64 = 0.015;
+/// ... unless it is this near to its end, metres.
+const END: f64 = 0.045;
+/// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
+/// every purpose of the robot's.
+const SHORTEST: f64 = 0.05;
+/// Where a wall ends, the outline turns away from the floor by at least this (sine).
+const WALL_ENDS: f64 = 0.17;
+/// No more than this is seen of the end face of a wall beside a gap, metres.
+const END_FACE: f64 = 0.1;
+/// Narrower gaps are none that anybody would want to know of, metres.
+const NARROWEST: f64 = 0.08;
+
+/// On which side of an outline the robot was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Floor {
+    /// Within: the outline of a room.
+    Inside,
+    /// Around: the outline of a thing.
+    Outside,
+}
+
+/// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends from its
+/// `floor` side. What was seen from behind is the tip of something that the neck passes.
+pub(super) fn is_chord(
+    piece: &Piece,
+    floor: Floor,
+    touched: &[(Point, Point)],
+    widest: f64,
+) -> bool {
+    let length = piece.length();
+    if !matches!(piece, Piece::Line { .. }) || !(SHORTEST..widest).contains(&length) {
+        return false;
+    }
+    let end = END.min(length / 4.0);
+    !touches(piece, floor, touched).any(|(s, _)| (end..length - end).contains(&s))
+}
+
+/// The contacts on a straight piece from its `floor` side, and how far along it each lies, metres; those
+/// beyond its ends too.
+fn touches<'a>(
+    piece: &Piece,
+    floor: Floor,
+    touched: &'a [(Point, Point)],
+) -> impl Iterator<Item = (f64, Point)> + use<'a> {
+    let (from, to) = (piece.from(), piece.to());
+    let along = (to - from).normalize();
+    let left = if floor == Floor::Inside { 1.0 } else { -1.0 };
+    let piece = *piece;
+    touched.iter().filter_map(move |&(p, seen_from)| {
+        let is_behind = left * cross(along, seen_from - p) < 0.0;
+        (piece.distance(p) < SUPPORT && !is_behind).then(|| (along.dot(&(p - from)), p))
+    })
+}
+
+/// The outline with corners moved to where a side was seen last, where the fit begins a chord of less than
+/// `widest` metres before that: the contacts between lie as well on the side itself. None where there is no
+/// such corner.
+pub(super) fn seen_to_its_ends(
+    outline: &Ring,
+    floor: Floor,
+    touched: &[(Point, Point)],
+    widest: f64,
+) -> Option<Ring> {
+    let count = outline.pieces.len();
+    let mut pieces = outline.pieces.clone();
+    let mut has_moved = false;
+    for k in 0..count {
+        for (side, begins) in [((k + count - 1) % count, true), ((k + 1) % count, false)] {
+            let Some(last) = last_seen(&pieces[k], &pieces[side], begins, floor, touched) else {
+                continue;
+            };
+            let (beside, chord) = if begins {
+                (line(pieces[side].from(), last), line(last, pieces[k].to()))
+            } else {
+                (line(last, pieces[side].to()), line(pieces[k].from(), last))
+            };
+            if is_chord(&chord, floor, touched, widest) {
+                (pieces[side], pieces[k], has_moved) = (beside, chord, true);
+            }
+        }
+    }
+    has_moved.then_some(Ring { pieces })
+}
+
+/// The contact on `piece` farthest from the corner at which it begins, or ends, beside `side`, when all that
+/// were made near that corner lie as well on the side, as it goes on.
+fn last_seen(
+    piece: &Piece,
+    side: &Piece,
+    begins: bool,
+    floor: Floor,
+    touched: &[(Point, Point)],
+) -> Option<Point> {
+    let straight = |piece: &Piece| matches!(piece, Piece::Line { .. }) && piece.length() > 1e-6;
+    if !straight(piece) || !straight(side) {
+        return None;
+    }
+    let length = piece.length();
+    let onward = (side.to() - side.from()).normalize();
+    let is_on_side = |p: Point| cross(onward, p - side.from()).abs() < SUPPORT;
+    let from_corner = |s: f64| if begins { s } else { length - s };
+    let near = touches(piece, floor, touched)
+        .map(|(s, p)| (from_corner(s), p))
+        .filter(|(s, _)| (0.0..length - END).contains(s));
+    let near: Vec<(f64, Point)> = near.collect();
+    let last = near.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    near.iter().all(|(_, p)| is_on_side(*p)).then_some(last.1)
+}
+
+fn line(from: Point, to: Point) -> Piece {
+    Piece::with_bulge(from, to, 0.0)
+}
+
+/// The chords of a room's `outline` across gaps that the robot did not enter: near one end of each a
+/// wall ends, at once or behind what was seen of its end face. Between two walls that both go on
+/// behind it, a chord only cuts off their corner.
+#[must_use]
+pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Piece> {
+    let pieces = &outline.pieces;
+    let count = pieces.len();
+    let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();
+    let turns = |k: usize| {
+        let (before, after) = (&pieces[(k + count - 1) % count], &pieces[k % count]);
+        cross(before.tangent(1.0), after.tangent(0.0)) < -WALL_ENDS
+    };
+    // Corners reached from the chord over no more than an end face.
+    let face = |k: usize| pieces[k % count].length() < END_FACE;
+    let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
+    let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
+    (0..count)
+        .filter(|&k| pieces[k].length() > NARROWEST)
+        .filter(|&k| is_chord(&pieces[k], Floor::Inside, &touched, chassis.passable_gap()))
+        .filter(|&k| ends_before(k) || ends_after(k))
+        .map(|k| pieces[k])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_side_goes_on_to_where_it_was_seen_last() {
+        // The lower side of a wedge whose tip at (0.9, 0) is 0.25 m off a wall; the fit has left it 0.1 m too
+        // early, with a corner at (0.8, 0.01).
+        let seen_from = |x: f64, y: f64| (Point::new(x, y), Point::new(x, y - 0.15));
+        let side: Vec<(Point, Point)> =
+            (0..=18).map(|k| seen_from(f64::from(k) * 0.05, 0.0)).collect();
+        let at = |x: f64, y: f64| Point::new(x, y);
+        let corners = [at(0.0, 0.0), at(0.8, 0.01), at(1.15, -0.03), at(1.15, 1.0), at(0.0, 1.0)];
+        // As seen from outside: the floor lies below.
+        let outline = Ring::polygon(&corners);
+        let widest = 0.4;
+        assert!(!is_chord(&outline.pieces[1], Floor::Outside, &side, widest));
+        let moved = seen_to_its_ends(&outline, Floor::Outside, &side, widest).expect("a corner");
+        assert_eq!(moved.pieces[1].from(), at(0.9, 0.0));
+        assert_eq!(moved.pieces[0].to(), at(0.9, 0.0));
+        assert!(is_chord(&moved.pieces[1], Floor::Outside, &side, widest));
+        // Not where it was seen beyond the middle: then it is wall.
+        let wall: Vec<(Point, Point)> =
+            side.iter().copied().chain([seen_from(1.0, -0.012)]).collect();
+        assert_eq!(seen_to_its_ends(&outline, Floor::Outside, &wall, widest), None);
+    }
+}

@@ -4,6 +4,7 @@
 use crate::geometry::{Piece, Point, Ring, cross};
 use crate::mapping::map::Contact;
 use crate::robot::Chassis;
+use std::ops::Range;
 
 /// A contact this near to a chord speaks for it, metres ...
 pub(super) const SUPPORT: f64 = 0.015;
@@ -11,7 +12,7 @@ pub(super) const SUPPORT: f64 = 0.015;
 const END: f64 = 0.045;
 /// A chord across a gap is at least this long, metres: behind a narrower gap the thing is wall for
 /// every purpose of the robot's.
-const SHORTEST: f64 = 0.05;
+pub(super) const SHORTEST: f64 = 0.05;
 /// Where a wall ends, the outline turns away from the floor by at least this (sine).
 const WALL_ENDS: f64 = 0.17;
 /// No more than this is seen of the end face of a wall beside a gap, metres.
@@ -28,16 +29,16 @@ pub(super) enum Floor {
     Outside,
 }
 
-/// Whether the piece crosses a gap: straight, not long, and touched nowhere between its ends from its
-/// `floor` side. What was seen from behind is the tip of something that the neck passes.
+/// Whether the piece crosses a gap: straight, as long as one of `lengths`, metres, and touched nowhere between
+/// its ends from its `floor` side. What was seen from behind is the tip of something that the neck passes.
 pub(super) fn is_chord(
     piece: &Piece,
     floor: Floor,
     touched: &[(Point, Point)],
-    widest: f64,
+    lengths: &Range<f64>,
 ) -> bool {
     let length = piece.length();
-    if !matches!(piece, Piece::Line { .. }) || !(SHORTEST..widest).contains(&length) {
+    if !matches!(piece, Piece::Line { .. }) || !lengths.contains(&length) {
         return false;
     }
     let end = END.min(length / 4.0);
@@ -61,14 +62,14 @@ fn touches<'a>(
     })
 }
 
-/// The outline with corners moved to where a side was seen last, where the fit begins a chord of less than
-/// `widest` metres before that: the contacts between lie as well on the side itself. None where there is no
+/// The outline with corners moved to where a side was seen last, where the fit begins a chord of those
+/// `lengths`, metres, before that: the contacts between lie as well on the side itself. None where there is no
 /// such corner.
 pub(super) fn seen_to_its_ends(
     outline: &Ring,
     floor: Floor,
     touched: &[(Point, Point)],
-    widest: f64,
+    lengths: &Range<f64>,
 ) -> Option<Ring> {
     let count = outline.pieces.len();
     let mut pieces = outline.pieces.clone();
@@ -83,7 +84,7 @@ pub(super) fn seen_to_its_ends(
             } else {
                 (line(last, pieces[side].to()), line(pieces[k].from(), last))
             };
-            if is_chord(&chord, floor, touched, widest) {
+            if is_chord(&chord, floor, touched, lengths) {
                 (pieces[side], pieces[k], has_moved) = (beside, chord, true);
             }
         }
@@ -132,13 +133,13 @@ pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Pi
         let (before, after) = (&pieces[(k + count - 1) % count], &pieces[k % count]);
         cross(before.tangent(1.0), after.tangent(0.0)) < -WALL_ENDS
     };
+    let lengths = NARROWEST..chassis.passable_gap();
     // Corners reached from the chord over no more than an end face.
     let face = |k: usize| pieces[k % count].length() < END_FACE;
     let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
     let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
     (0..count)
-        .filter(|&k| pieces[k].length() > NARROWEST)
-        .filter(|&k| is_chord(&pieces[k], Floor::Inside, &touched, chassis.passable_gap()))
+        .filter(|&k| is_chord(&pieces[k], Floor::Inside, &touched, &lengths))
         .filter(|&k| ends_before(k) || ends_after(k))
         .map(|k| pieces[k])
         .collect()
@@ -159,15 +160,21 @@ mod tests {
         let corners = [at(0.0, 0.0), at(0.8, 0.01), at(1.15, -0.03), at(1.15, 1.0), at(0.0, 1.0)];
         // As seen from outside: the floor lies below.
         let outline = Ring::polygon(&corners);
-        let widest = 0.4;
-        assert!(!is_chord(&outline.pieces[1], Floor::Outside, &side, widest));
-        let moved = seen_to_its_ends(&outline, Floor::Outside, &side, widest).expect("a corner");
+        let lengths = 0.12..0.4;
+        assert!(!is_chord(&outline.pieces[1], Floor::Outside, &side, &lengths));
+        let moved = seen_to_its_ends(&outline, Floor::Outside, &side, &lengths).expect("a corner");
         assert_eq!(moved.pieces[1].from(), at(0.9, 0.0));
         assert_eq!(moved.pieces[0].to(), at(0.9, 0.0));
-        assert!(is_chord(&moved.pieces[1], Floor::Outside, &side, widest));
+        assert!(is_chord(&moved.pieces[1], Floor::Outside, &side, &lengths));
         // Not where it was seen beyond the middle: then it is wall.
         let wall: Vec<(Point, Point)> =
             side.iter().copied().chain([seen_from(1.0, -0.012)]).collect();
-        assert_eq!(seen_to_its_ends(&outline, Floor::Outside, &wall, widest), None);
+        assert_eq!(seen_to_its_ends(&outline, Floor::Outside, &wall, &lengths), None);
+        // Nor where what is left is too short to be a gap.
+        let near: Vec<(Point, Point)> =
+            side.iter().copied().chain([seen_from(1.05, -0.014)]).collect();
+        let straight = [at(0.0, 0.0), at(0.8, 0.0), at(1.15, -0.01), at(1.15, 1.0), at(0.0, 1.0)];
+        let outline = Ring::polygon(&straight);
+        assert_eq!(seen_to_its_ends(&outline, Floor::Outside, &near, &lengths), None);
     }
 }

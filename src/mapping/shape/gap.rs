@@ -16,7 +16,7 @@ const PACE: f64 = 0.005;
 /// Places across the gap that are looked at.
 const ACROSS: u32 = 8;
 /// Things nearer than this are as good as joined, metres: nothing tells them from one.
-const TOUCHING: f64 = 0.12;
+pub(super) const TOUCHING: f64 = 0.12;
 /// Outlines are this well known where nothing touched them, metres.
 const UNSURE: f64 = 0.01;
 /// The body comes this much deeper into a gap than the disc that passes, as a share of what that is

@@ -6,14 +6,15 @@
 //! worn switches laid two faces through each other and what nobody has looked at may be a board
 //! ([`super::divide`]).
 
-use super::chord::{Floor, SUPPORT, is_chord, seen_to_its_ends};
-use super::gap::Gap;
+use super::chord::{Floor, SHORTEST, SUPPORT, is_chord, seen_to_its_ends};
+use super::gap::{Gap, TOUCHING};
 use super::object::{necked, object_outline};
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring};
 use crate::mapping::map::{Contact, ContactKind};
 use crate::mapping::wall::Stroke;
 use crate::robot::Chassis;
+use std::ops::Range;
 
 /// A chord joins what was seen on both sides, and need not run straight across: it is up to as many
 /// times as long as the gap is wide.
@@ -140,23 +141,27 @@ fn cut(
 ) -> Option<(Ring, Ring)> {
     let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
     let touched: Vec<(Point, Point)> = surfaces.map(|c| (c.point, c.from)).collect();
-    let widest = SLANT * chassis.passable_gap();
-    let cut = |outline: &Ring| cut_at_chords(outline, contacts, &touched, floor, chassis);
-    cut(outline).or_else(|| cut(&seen_to_its_ends(outline, floor, &touched, widest)?))
+    let longest = SLANT * chassis.passable_gap();
+    let cut = |outline: &Ring, lengths: &Range<f64>| {
+        cut_at(outline, contacts, floor, chassis, |piece| is_chord(piece, floor, &touched, lengths))
+    };
+    cut(outline, &(SHORTEST..longest)).or_else(|| {
+        // What is left between two touches of a thin wall is no gap: these must be as wide as one that counts.
+        let lengths = TOUCHING..longest;
+        cut(&seen_to_its_ends(outline, floor, &touched, &lengths)?, &lengths)
+    })
 }
 
-/// The same where the chords are pieces of `outline` as it is.
-fn cut_at_chords(
+/// The same where those pieces of `outline` are chords that `crosses` takes for such.
+fn cut_at(
     outline: &Ring,
     contacts: &[Contact],
-    touched: &[(Point, Point)],
     floor: Floor,
     chassis: &Chassis,
+    crosses: impl Fn(&Piece) -> bool,
 ) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
-    let widest = SLANT * chassis.passable_gap();
-    let chords: Vec<usize> =
-        (0..pieces.len()).filter(|&k| is_chord(&pieces[k], floor, touched, widest)).collect();
+    let chords: Vec<usize> = (0..pieces.len()).filter(|&k| crosses(&pieces[k])).collect();
     let width = |i: usize, k: usize| {
         let (a, b) = (&pieces[i], &pieces[k]);
         (a.from() - b.to()).norm().max((a.to() - b.from()).norm())

@@ -117,8 +117,8 @@ impl Tour {
     }
 
     /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
-    /// last of them straight to the first, the boundary is always near, and each was made no farther than a stride
-    /// from one before. Where the pose is lost, what was followed may have been the boundary itself.
+    /// last of them straight to the first, the boundary is always near, and each was made no farther than a
+    /// stride from one before. Where the pose is lost, what was followed may have been the boundary itself.
     fn hides_behind(&self, contacts: &[Contact]) -> bool {
         let gap = self.chassis.passable_gap();
         let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };

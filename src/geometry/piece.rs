@@ -1,6 +1,6 @@
 //! One piece of an outline: straight or a circular arc.
 
-use super::{Point, Vector, angle, perp};
+use super::{Point, Vector, angle, cross, perp};
 use serde::{Deserialize, Serialize};
 
 /// One piece of an outline, from its start to its end.
@@ -150,5 +150,29 @@ impl Piece {
         let offset = radius * angle::cos(sweep.abs() / 2.0) * bulge.signum();
         let center = from + chord * 0.5 + perp(chord) * (offset / length);
         Self::Arc { center, radius, start: angle::of(from - center), sweep }
+    }
+
+    /// Bulge of the arc from `a` through `p` to `c`: the angle at `p` is half of what the arc lacks of a
+    /// whole turn (inscribed angle).
+    #[must_use]
+    pub fn bulge_through(a: Point, p: Point, c: Point) -> f64 {
+        let (u, v) = (a - p, c - p);
+        let side = cross(u, v);
+        let half = angle::atan2(side.abs(), u.dot(&v)) / 2.0;
+        -side.signum() / angle::tan(half).max(1e-9)
+    }
+
+    /// The same piece with its ends at `from` and `to`. An arc keeps its bulge; the ends of one of more than
+    /// half a turn say little of where its circle lies, and it goes on through its middle, which `moved`
+    /// moves.
+    #[must_use]
+    pub fn between(&self, from: Point, to: Point, moved: impl Fn(Point) -> Point) -> Self {
+        match self {
+            Self::Line { .. } => Self::Line { from, to },
+            Self::Arc { sweep, .. } if sweep.abs() > angle::PI => {
+                Self::with_bulge(from, to, Self::bulge_through(from, moved(self.at(0.5)), to))
+            }
+            Self::Arc { .. } => Self::with_bulge(from, to, self.bulge()),
+        }
     }
 }

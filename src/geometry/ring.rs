@@ -135,7 +135,8 @@ impl Ring {
         if self.area() < 0.0 { self.reversed() } else { self }
     }
 
-    /// The same ring with its corners moved; an arc keeps its bulge, a full circle its radius.
+    /// The same ring with its corners moved; an arc keeps its bulge, a full circle its radius, and an arc of
+    /// more than half a turn is moved by its middle too.
     #[must_use]
     pub fn deformed(&self, displacement: impl Fn(Point) -> Vector) -> Self {
         if let [Piece::Arc { center, radius, start, sweep }] = self.pieces[..] {
@@ -153,11 +154,7 @@ impl Ring {
             self.pieces.iter().map(|piece| piece.from() + displacement(piece.from())).collect();
         let count = corners.len();
         let pieces = self.pieces.iter().enumerate().map(|(k, piece)| {
-            let (from, to) = (corners[k], corners[(k + 1) % count]);
-            match piece {
-                Piece::Line { .. } => Piece::Line { from, to },
-                Piece::Arc { .. } => Piece::with_bulge(from, to, piece.bulge()),
-            }
+            piece.between(corners[k], corners[(k + 1) % count], |p| p + displacement(p))
         });
         Self { pieces: pieces.collect() }
     }
@@ -243,6 +240,34 @@ mod tests {
         assert!((ring.area() - (8.0 + angle::PI)).abs() < 1e-9, "{}", ring.area());
         assert!((ring.perimeter() - (8.0 + angle::TAU)).abs() < 1e-9, "{}", ring.perimeter());
         assert!((ring.reversed().area() + ring.area()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_round_room_stays_round_when_the_ends_of_its_wall_move_by_millimetres() {
+        // A circle of 1.8 m with a notch; its wall is one arc whose ends are 0.3 m apart.
+        let (radius, half) = (1.8, 0.083);
+        let on = |bearing: f64| Point::origin() + angle::unit(bearing) * radius;
+        let (from, to) = (on(half), on(-half));
+        let wall = Piece::Arc {
+            center: Point::origin(),
+            radius,
+            start: half,
+            sweep: angle::TAU - 2.0 * half,
+        };
+        let notch = [to, Point::new(1.5, -0.15), Point::new(1.5, 0.15), from];
+        let mut pieces = vec![wall];
+        pieces.extend(notch.windows(2).map(|two| Piece::Line { from: two[0], to: two[1] }));
+        let ring = Ring { pieces };
+        // One end of it 4 mm farther along.
+        let moved = ring.deformed(|p| Vector::new(0.0, if p == from { 0.004 } else { 0.0 }));
+        let Piece::Arc { center, radius: now, .. } = moved.pieces[0] else {
+            unreachable!("an arc stays one")
+        };
+        assert!((now - radius).abs() < 0.002 && center.coords.norm() < 0.002, "{now} at {center}");
+        assert!((moved.area() - ring.area()).abs() < 0.01);
+        // And all of it moves as one.
+        let by = Vector::new(0.3, -0.2);
+        assert!((ring.deformed(|_| by).pieces[0].at(0.5) - wall.at(0.5) - by).norm() < 1e-9);
     }
 
     #[test]

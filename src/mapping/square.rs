@@ -157,15 +157,11 @@ fn corners(outline: &Ring, turns: &[Option<f64>]) -> Vec<Point> {
         .collect()
 }
 
-/// The pieces of `outline` through other corners; an arc keeps its bulge.
+/// The pieces of `outline` through other corners; an arc keeps its bulge, or its middle.
 fn through(outline: &Ring, corners: &[Point]) -> Ring {
-    let pieces = outline.pieces.iter().enumerate().map(|(k, piece)| {
-        let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
-        match piece {
-            Piece::Line { .. } => Piece::Line { from, to },
-            Piece::Arc { .. } if corners.len() == 1 => *piece,
-            Piece::Arc { .. } => Piece::with_bulge(from, to, piece.bulge()),
-        }
+    let pieces = outline.pieces.iter().enumerate().map(|(k, piece)| match piece {
+        Piece::Arc { .. } if corners.len() == 1 => *piece,
+        _ => piece.between(corners[k], corners[(k + 1) % corners.len()], |p| p),
     });
     Ring { pieces: pieces.collect() }
 }

@@ -3,7 +3,7 @@
 
 use super::assemble::Vertex;
 use super::corner::Judge;
-use crate::geometry::{Piece, Point, angle, cross};
+use crate::geometry::{Piece, Point};
 
 /// `vertices` as plain as the noise of the contacts that `judge` knows allows.
 pub(super) fn plain(vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
@@ -28,7 +28,7 @@ fn without_breaks(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
             |from: Vertex, to: Vertex| Piece::with_bulge(from.at, to.at, from.bulge).at(0.5);
         let alike = a.bulge * b.bulge > 0.0;
         let on_it = [middle(a, b), b.at, middle(b, c)];
-        let bulge = on_it.map(|p| bulge_through(a.at, p, c.at)).iter().sum::<f64>() / 3.0;
+        let bulge = on_it.map(|p| Piece::bulge_through(a.at, p, c.at)).iter().sum::<f64>() / 3.0;
         let arc = Piece::with_bulge(a.at, c.at, bulge);
         if alike && on_it.iter().all(|p| arc.distance(*p) < tolerance) {
             vertices[before].bulge = bulge;
@@ -38,15 +38,6 @@ fn without_breaks(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
         }
     }
     vertices
-}
-
-/// Bulge of the arc from `a` through `p` to `c`: the angle at `p` is half of what the arc lacks of a
-/// whole turn (inscribed angle).
-fn bulge_through(a: Point, p: Point, c: Point) -> f64 {
-    let (u, v) = (a - p, c - p);
-    let side = cross(u, v);
-    let half = angle::atan2(side.abs(), u.dot(&v)) / 2.0;
-    -side.signum() / angle::tan(half).max(1e-9)
 }
 
 /// Without the corners between straight pieces that a straight piece past them explains within
@@ -110,6 +101,7 @@ fn with_corners(mut vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::angle;
     use crate::mapping::shape::Sample;
 
     fn plain_of(corners: &[(f64, f64, f64)]) -> Vec<Vertex> {

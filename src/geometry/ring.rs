@@ -263,7 +263,9 @@ mod tests {
         let Piece::Arc { center, radius: now, .. } = moved.pieces[0] else {
             unreachable!("an arc stays one")
         };
-        assert!((now - radius).abs() < 0.002 && center.coords.norm() < 0.002, "{now} at {center}");
+        // The centre stays as far from both ends: half as far along.
+        let off = (center - Point::new(0.0, 0.002)).norm();
+        assert!((now - radius).abs() < 2e-4 && off < 2e-4, "{now} at {center}");
         assert!((moved.area() - ring.area()).abs() < 0.01);
         // And all of it moves as one.
         let by = Vector::new(0.3, -0.2);

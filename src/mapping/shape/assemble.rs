@@ -14,6 +14,9 @@ const SHORTEST: f64 = 5e-4;
 /// Chords stand for arcs within this when crossings are looked for, metres.
 const SAGITTA: f64 = 0.001;
 
+/// A piece no longer than this, metres, that turns back by more than this, radians, is a spike.
+const SPIKE: f64 = 0.02;
+const FOLDED: f64 = 178.0 * angle::PI / 180.0;
 /// An arc that sweeps more than this is one whose ends have passed each other, radians: a round room
 /// with something thin at its wall is one arc of nearly a whole turn.
 const ALL_ROUND: f64 = angle::TAU - 0.005;
@@ -43,11 +46,12 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
     let judge = Judge { samples, sigma, reach };
     let mut freedom = vec![Freedom::Fit; runs.len()];
     for _ in 0..40 {
-        let vertices = without_small_loops(tidy(draw(&judge, runs, &freedom)));
+        let vertices =
+            without_spikes(tidy(without_small_loops(tidy(draw(&judge, runs, &freedom)))));
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
         let Some(&(i, k)) = crossings(&points).first() else {
-            let plain = to_ring(&plain(vertices.clone(), &judge));
+            let plain = to_ring(&without_spikes(tidy(plain(vertices.clone(), &judge))));
             let simple = crossings(&chords(&plain).0).is_empty();
             return (vertices.len() >= 2).then_some(if simple { plain } else { made });
         };
@@ -68,14 +72,11 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
 /// those are no small loops.
 pub(super) fn simple(ring: &Ring) -> Option<Ring> {
     let is_simple = |ring: &Ring| crossings(&chords(ring).0).is_empty();
-    if is_simple(ring) {
+    let vertex = |piece: &Piece| Vertex { at: piece.from(), bulge: piece.bulge(), run: 0 };
+    let vertices = without_spikes(ring.pieces.iter().map(vertex).collect());
+    if vertices.len() == ring.pieces.len() && is_simple(ring) {
         return Some(ring.clone());
     }
-    let vertices = ring
-        .pieces
-        .iter()
-        .map(|piece| Vertex { at: piece.from(), bulge: piece.bulge(), run: 0 })
-        .collect();
     let made = to_ring(&without_small_loops(vertices));
     if is_simple(&made) { Some(made) } else { uncrossed(chords(&made).0) }
 }
@@ -89,6 +90,25 @@ fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
     let changed = next != freedom[run];
     freedom[run] = next;
     changed
+}
+
+/// Leaves out corners at which a straight piece goes back the way it came: the last bit of a face or a stray
+/// contact, and nothing that stands there. Rounded, the two would lie on each other.
+fn without_spikes(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
+    let is_spike = |vertices: &[Vertex], k: usize| {
+        let count = vertices.len();
+        let (before, next) = (vertices[(k + count - 1) % count], vertices[(k + 1) % count]);
+        let (there, back) = (vertices[k].at - before.at, next.at - vertices[k].at);
+        let straight = before.bulge == 0.0 && vertices[k].bulge == 0.0;
+        let short = there.norm().min(back.norm()) < SPIKE;
+        straight && short && angle::atan2(cross(there, back), there.dot(&back)).abs() > FOLDED
+    };
+    while vertices.len() > 3
+        && let Some(k) = (0..vertices.len()).find(|&k| is_spike(&vertices, k))
+    {
+        vertices.remove(k);
+    }
+    vertices
 }
 
 /// Cuts off loops of a few centimetres where two straight pieces cross: what contacts out of
@@ -290,6 +310,20 @@ mod tests {
         let mended = simple(&crossed).expect("a neck that is open");
         assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
         assert!((mended.area() - 11.975).abs() < 0.005, "{}", mended.area());
+    }
+
+    #[test]
+    fn a_piece_that_goes_back_on_the_one_before_is_left_out() {
+        let folded = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (3.5, 3.0), (3.505, 3.00005), (0.0, 3.0)];
+        let mended =
+            simple(&Ring::polygon(&folded.map(|(x, y)| Point::new(x, y)))).expect("a room");
+        assert_eq!(mended.pieces.len(), 5, "{mended:?}");
+        assert!((mended.area() - 12.0).abs() < 0.001, "{}", mended.area());
+        // A board seen from both sides and not at its end is no spike.
+        let board =
+            [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (2.001, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)];
+        let board = Ring::polygon(&board.map(|(x, y)| Point::new(x, y)));
+        assert_eq!(simple(&board), Some(board));
     }
 
     #[test]

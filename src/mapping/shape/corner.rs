@@ -15,6 +15,9 @@ const INNER_SLACK: f64 = 0.25;
 /// Farthest a line and an arc that touch may do so beyond the contacts next to it, metres: along a wall that
 /// goes on the robot looks every half metre.
 const SMOOTH_REACH: f64 = 0.65;
+/// A round run meets its neighbour in no sharper corner, radians of turn: a column beside a face would
+/// be drawn out through the gap between them to where it touches the line of that face.
+const SHARPEST: f64 = 150.0 * angle::PI / 180.0;
 /// How far off an extended run may be at its corner for want of direction, metres.
 const UNCERTAIN: f64 = 0.008;
 
@@ -94,6 +97,10 @@ impl Judge<'_> {
             .min_by(|p, q| (p - middle).norm().total_cmp(&(q - middle).norm()))?;
         let (u, v) = (heading(&a.model, corner)?, heading(&b.model, corner)?);
         let turn = angle::atan2(cross(u, v), u.dot(&v));
+        let is_round = |run: &Run| matches!(run.model, Model::Arc { .. });
+        if (is_round(a) || is_round(b)) && turn.abs() > SHARPEST {
+            return None;
+        }
         let beyond_a = (corner - end).dot(&u);
         let beyond_b = (start - corner).dot(&v);
         // Contacts behind a corner are cut off by it: only as far as noise explains.
@@ -371,6 +378,30 @@ mod tests {
         assert!(joint.end == joint.start && joint.end.coords.norm() < 1e-6, "{joint:?}");
         let joint = corner(0.15);
         assert!(joint.end != joint.start, "from contact to contact: {joint:?}");
+    }
+
+    #[test]
+    fn a_column_beside_a_face_is_not_drawn_out_through_the_gap_to_touch_its_line() {
+        // Round a column of 0.15 m that stands 1 mm above the line of the face, and on along that from 0.2 m
+        // beside it. Gone round clockwise, the column turns towards the line again on its far side.
+        let (center, radius) = (Point::new(0.0, 0.151), 0.15);
+        let round = (0..9).map(|k| {
+            let away = angle::unit(4.4 - 0.56 * f64::from(k));
+            let (at, from) = (center + away * radius, center + away * 0.3);
+            seen(at.x, at.y, from)
+        });
+        let face = (0..8).map(|k| f64::from(k) * 0.1 + 0.2);
+        let face = face.map(|x| seen(x, 0.0, Point::new(x, 0.15)));
+        let samples: Vec<Sample> = round.chain(face).collect();
+        let judge = Judge { samples: &samples, sigma: 0.0005, reach: 0.16 };
+        let column = Run { first: 0, last: 8, model: Model::Arc { center, radius, hollow: false } };
+        let line = Model::Line { center: samples[12].point, direction: Vector::x() };
+        let joint = judge.joint(&column, &Run { first: 9, last: 16, model: line });
+        let linked = Joint { end: samples[8].point, start: samples[9].point };
+        assert!(
+            (joint.end - linked.end).norm() + (joint.start - linked.start).norm() < 1e-6,
+            "{joint:?}"
+        );
     }
 
     #[test]

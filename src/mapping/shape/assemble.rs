@@ -1,5 +1,5 @@
 //! Puts runs and joints together into a closed ring, and makes sure that it does not cross
-//! itself: where it would, the fit gives way to the contacts themselves.
+//! itself: where it would, the fit gives way to the contacts themselves. Knows nothing of what the ring is of.
 
 use super::Sample;
 use super::chain::{TOLERANCE, thinned};
@@ -46,12 +46,11 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
     let judge = Judge { samples, sigma, reach };
     let mut freedom = vec![Freedom::Fit; runs.len()];
     for _ in 0..40 {
-        let vertices =
-            without_spikes(tidy(without_small_loops(tidy(draw(&judge, runs, &freedom)))));
+        let vertices = clean(without_small_loops(tidy(draw(&judge, runs, &freedom))));
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
         let Some(&(i, k)) = crossings(&points).first() else {
-            let plain = to_ring(&without_spikes(tidy(plain(vertices.clone(), &judge))));
+            let plain = to_ring(&clean(plain(vertices.clone(), &judge)));
             let simple = crossings(&chords(&plain).0).is_empty();
             return (vertices.len() >= 2).then_some(if simple { plain } else { made });
         };
@@ -90,6 +89,11 @@ fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
     let changed = next != freedom[run];
     freedom[run] = next;
     changed
+}
+
+/// What may be handed over: no piece of no length, which would hide a spike, and no spike.
+fn clean(vertices: Vec<Vertex>) -> Vec<Vertex> {
+    without_spikes(tidy(vertices))
 }
 
 /// Leaves out corners at which a straight piece goes back the way it came: the last bit of a face or a stray

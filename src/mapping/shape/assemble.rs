@@ -185,14 +185,16 @@ fn draw(judge: &Judge<'_>, runs: &[Run], freedom: &[Freedom]) -> Vec<Vertex> {
             vertices.extend(contacts.iter().map(|s| Vertex { at: s.point, bulge: 0.0, run: k }));
             continue;
         }
-        vertices.push(Vertex { at: start, bulge: bulge(&run.model, start, end), run: k });
+        let contacts = &judge.samples[run.first..=run.last];
+        vertices.push(Vertex { at: start, bulge: bulge(&run.model, contacts, start, end), run: k });
         vertices.push(Vertex { at: end, bulge: 0.0, run: k });
     }
     vertices
 }
 
-/// tan(sweep / 4) of the arc from `start` to `end` through the middle of the fitted one.
-fn bulge(model: &Model, start: Point, end: Point) -> f64 {
+/// tan(sweep / 4) of the arc from `start` to `end` through the middle of the fitted one, on which the
+/// `contacts` lie: none where its ends have passed each other, and it would go all the way round.
+fn bulge(model: &Model, contacts: &[Sample], start: Point, end: Point) -> f64 {
     let Model::Arc { center, radius, hollow } = *model else {
         return 0.0;
     };
@@ -200,7 +202,11 @@ fn bulge(model: &Model, start: Point, end: Point) -> f64 {
     let sweep = if hollow { angle::wrap_positive(b - a) } else { -angle::wrap_positive(a - b) };
     let middle = center + angle::unit(a + sweep / 2.0) * radius;
     let chord = end - start;
-    if chord.norm() < SHORTEST || sweep.abs() > ALL_ROUND {
+    let bearing = |sample: &Sample| angle::of(sample.point - center);
+    let step = |two: &[Sample]| angle::wrap(bearing(&two[1]) - bearing(&two[0]));
+    let seen: f64 = contacts.windows(2).map(step).sum();
+    let unseen = sweep.abs() - seen.abs();
+    if chord.norm() < SHORTEST || sweep.abs() > ALL_ROUND || unseen > angle::PI {
         return 0.0;
     }
     -2.0 * cross(chord, middle - start) / chord.norm_squared()
@@ -314,6 +320,26 @@ mod tests {
         let mended = simple(&crossed).expect("a neck that is open");
         assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
         assert!((mended.area() - 11.975).abs() < 0.005, "{}", mended.area());
+    }
+
+    #[test]
+    fn an_arc_whose_ends_have_passed_each_other_does_not_go_all_the_way_round() {
+        let model = Model::Arc { center: Point::origin(), radius: 0.2, hollow: false };
+        let on = |bearing: f64| Point::origin() + angle::unit(bearing) * 0.2;
+        let sample = |bearing: f64| Sample {
+            point: on(bearing),
+            from: on(bearing) * 2.0,
+            weight: 1.0,
+            edges: Vec::new(),
+        };
+        let seen = [1.0, 0.7, 0.4, 0.2].map(sample);
+        let arc = Piece::with_bulge(on(1.0), on(0.2), bulge(&model, &seen, on(1.0), on(0.2)));
+        assert!((arc.length() - 0.16).abs() < 1e-9, "{arc:?}");
+        assert_eq!(bulge(&model, &seen, on(0.5), on(0.6)), 0.0, "5 radians that nobody saw");
+        // What was gone round nearly all the way is drawn all the way.
+        let round: Vec<Sample> = (0..12).map(|k| sample(6.0 - 0.5 * f64::from(k))).collect();
+        let arc = Piece::with_bulge(on(6.0), on(0.5), bulge(&model, &round, on(6.0), on(0.5)));
+        assert!((arc.length() - 1.1).abs() < 1e-9, "{arc:?}");
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod plain;
 mod pocket;
 pub mod post;
 mod rectangle;
+mod round;
 mod segment;
 mod split;
 #[cfg(test)]

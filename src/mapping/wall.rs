@@ -24,7 +24,7 @@ use crate::robot::{Chassis, Edge};
 
 /// How far back along the drive contacts are trusted to fit together, metres.
 const MEMORY: f64 = 2.0;
-/// Farther than this from the robot nothing matters for its next step, metres.
+/// What was seen through a gap lies no farther than this from a robot that turns back in it, metres.
 const NEIGHBOURHOOD: f64 = 0.6;
 /// What lies farther ahead than this lies beyond where the robot turned back, metres.
 const BEYOND: f64 = 0.02;

@@ -40,8 +40,9 @@ enum Run {
 const STRAIGHT: f64 = 0.004;
 /// So many contacts may lie beside a run.
 const STRAYS: usize = 3;
-/// No straight run is longer, metres.
-const LONGEST_RUN: f64 = 0.6;
+/// No straight run is longer, metres: two of the longest steps, so that what was seen at the last look but one
+/// tells how the wall runs.
+const LONGEST_RUN: f64 = 1.2;
 /// Nor a round one. The longer it is the better its curvature is known.
 const LONGEST_BEND: f64 = 1.2;
 /// A round run is at least so many times as long as the straight one that ends it, ...

@@ -24,8 +24,6 @@ const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres: about as far as the
 /// switches see into a gap from both of its ends.
 const NECK: f64 = 0.34;
-/// What was gone round more than once begins and ends no farther apart than this, metres.
-const ROUND: f64 = 0.1;
 /// Nothing smaller than this is cut off, square metres.
 const SMALLEST: f64 = 8e-4;
 /// What is thinner than this is no thing, metres.
@@ -34,13 +32,10 @@ const THINNEST: f64 = 0.006;
 const LARGEST: f64 = 0.25;
 /// The fit to a thing's own contacts is as large as what was cut, within this factor.
 const ALIKE: f64 = 1.5;
-/// What stands for several rounds of a thing, or is fitted to it, has all of its corners as near as this,
-/// metres.
+/// What is fitted to a thing has all of its corners as near as this, metres.
 const LEFT_OUT: f64 = 0.06;
 /// Cuts at most.
 const MOST_CUTS: u32 = 20;
-/// Islands of more pieces than this are not searched for rounds.
-const MOST_PIECES: usize = 120;
 /// Chords stand for arcs within this, metres.
 const SAGITTA: f64 = 0.001;
 
@@ -234,21 +229,14 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
             .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()))
     };
     let rest = trimmed(&between(k, i))?;
-    let whole = between(i, k);
-    let once = trimmed(&whole);
+    let island = trimmed(&between(i, k))?;
     if floor == Floor::Outside {
-        let island = once?;
         let sound = |ring: &Ring| ring.pieces.len() >= 2 && ring.area() > SMALLEST;
         let within = |one: &Ring, other: &Ring| other.contains(one.pieces[0].from());
         let two = sound(&rest) && sound(&island);
         return (two && !within(&rest, &island) && !within(&island, &rest))
             .then_some((rest, island));
     }
-    let again = || {
-        let all_of_it = |ring: &Ring| whole.iter().all(|p| ring.distance(p.from()) < LEFT_OUT);
-        one_round(&whole).and_then(closed).filter(all_of_it)
-    };
-    let island = once.or_else(again)?;
     let area = island.area();
     // A column is one arc, closed where the neck was, and so is a round room.
     if island.pieces.len() < 2
@@ -261,31 +249,6 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
     let points = island.to_points(SAGITTA);
     let inside = points.iter().all(|p| rest.contains(*p) || rest.distance(*p) < 1e-3);
     inside.then(|| (rest, island.counter_clockwise()))
-}
-
-/// One round of what was gone round more than once: of the stretches of `pieces` that come back to
-/// where they began without crossing themselves, the one that encloses most.
-fn one_round(pieces: &[Piece]) -> Option<Vec<Piece>> {
-    let count = pieces.len();
-    if count > MOST_PIECES {
-        return None;
-    }
-    let mut rounds: Vec<(f64, usize, usize)> = (0..count)
-        .flat_map(|m| (m + 3..=count).map(move |n| (m, n)))
-        .filter(|&(m, n)| (pieces[m].from() - pieces[n - 1].to()).norm() < ROUND)
-        .map(|(m, n)| {
-            let mut ring = pieces[m..n].to_vec();
-            ring.push(Piece::with_bulge(pieces[n - 1].to(), pieces[m].from(), 0.0));
-            (Ring { pieces: ring }.area(), m, n)
-        })
-        .collect();
-    // Gone round with the floor on the left, its area counts as negative.
-    rounds.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rounds.into_iter().map(|(_, m, n)| pieces[m..n].to_vec()).find(|stretch| {
-        let mut points = Ring { pieces: stretch.clone() }.to_points(SAGITTA);
-        points.push(stretch[stretch.len() - 1].to());
-        crossings(&points).is_empty()
-    })
 }
 
 #[cfg(test)]
@@ -333,18 +296,6 @@ mod tests {
             islands(side_on.clone(), &[contact(1.0, 0.0)], &[], &Chassis::default());
         assert!(found.is_empty());
         assert_eq!(rest, side_on);
-    }
-
-    #[test]
-    fn a_box_gone_round_twice_is_cut_off_once() {
-        let again = [(1.74, 0.54), (2.02, 0.82), (2.3, 0.54), (2.03, 0.29)];
-        let once = [(1.75, 0.54), (2.02, 0.81), (2.29, 0.54)];
-        let twice: Vec<(f64, f64)> = again.into_iter().chain(once).collect();
-        let (rest, found) =
-            islands(joined(&twice, 0.28), &[contact(1.0, 0.0)], &[], &Chassis::default());
-        assert_eq!(found.len(), 1);
-        assert!((found[0].area() - 0.15).abs() < 0.01, "{}", found[0].area());
-        assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
     }
 
     #[test]

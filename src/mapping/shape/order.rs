@@ -4,6 +4,7 @@
 //! in time. Knows nothing of lines and arcs.
 
 use super::pocket::without_pockets;
+use super::round::once_round;
 use crate::geometry::{Point, Vector, cross};
 use crate::mapping::map::{Contact, ContactKind};
 
@@ -30,7 +31,7 @@ pub(super) fn along_wall(contacts: &[Contact], reach: f64) -> Vec<Contact> {
     let (edges, mut surface): (Vec<Contact>, Vec<Contact>) =
         usable.copied().partition(|c| c.kind == ContactKind::Edge);
     surface.truncate(end_of_lap(&surface));
-    let mut surface = without_pockets(&surface, reach);
+    let mut surface = once_round(&without_pockets(&surface, reach), reach);
     shorten(&mut surface);
     let half = surface.len() / 2;
     surface.rotate_left(half);

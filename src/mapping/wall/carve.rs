@@ -1,7 +1,7 @@
 //! What the robot's way says of contacts that were made before: nothing is where the body has been, nor
 //! where an open beam swept past.
 
-use super::{MEMORY, NEIGHBOURHOOD, Wall};
+use super::{MEMORY, Wall};
 use crate::geometry::{Point, Pose, Vector, angle, cross};
 use crate::mapping::map::ContactKind;
 use crate::robot::SwitchSet;
@@ -12,6 +12,9 @@ const RIM: [f64; 9] = [0.0, 0.39, 0.79, 1.18, -0.39, -0.79, -1.18, 1.5, -1.5];
 /// A touch that the body has come over by more than this was elsewhere, metres. So much a bumper gives.
 const UNDER: f64 = 0.04;
 
+/// What lies farther off than this, metres, tells no longer how the wall runs: it holds the contacts of the last
+/// two looks of a robot that steps as far as it ever does.
+const AROUND: f64 = 1.1;
 /// Places where the body has been are kept this far apart, metres.
 const TRAIL: f64 = 0.02;
 
@@ -51,7 +54,7 @@ impl Wall {
             let seen = &self.log[index];
             seen.alive
                 && travelled - seen.travelled < MEMORY
-                && (seen.point - pose.position).norm() < NEIGHBOURHOOD
+                && (seen.point - pose.position).norm() < AROUND
         });
         let turned = angle::wrap(pose.heading - from.heading);
         let moved = pose.position - from.position;

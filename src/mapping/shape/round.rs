@@ -1,0 +1,103 @@
+//! Rounds: what a lap went round more than once. Before a gap as wide as the body, what the follower sees
+//! decides whether it goes through or over to the other side, and it may be led round an island until it goes
+//! over. Takes contacts in time order and keeps one round; knows nothing of their order along the wall, nor
+//! of lines and arcs.
+
+use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::mapping::map::Contact;
+
+/// A round leads as near as this past the place where it began, metres, ...
+const SAME_PLACE: f64 = 0.05;
+/// ... with what is seen there in the same direction, radians, ...
+const SAME_SIDE: f64 = 0.5;
+/// ... and the robot's way encloses at least this share of what it would round a thing without extent.
+const LEAST: f64 = 0.8;
+/// Rounds at most: the follower goes on after that, or the lap has failed.
+const MOST: usize = 8;
+
+/// Without all rounds but one of each thing that the lap went round again: of what was driven between two
+/// looks at the same wall from the same place, turning the other way than the lap as a whole does.
+/// `reach` is body radius plus range of the switches, metres.
+pub(super) fn once_round(contacts: &[Contact], reach: f64) -> Vec<Contact> {
+    let mut kept = contacts.to_vec();
+    for _ in 0..MOST {
+        let Some((first, last)) = again(&kept, reach) else { break };
+        kept.drain(first..last);
+    }
+    kept
+}
+
+/// The first contact of a round that the lap made again, and the first one after it: there the robot had
+/// come past where the round began. Of several that lie within each other the shortest.
+fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
+    let origin = contacts.first()?.from;
+    let at = |k: usize| contacts[k].from - origin;
+    let mut swept = 0.0;
+    // Twice what the way encloses up to each contact, seen from the first.
+    let doubled: Vec<f64> = (0..contacts.len())
+        .map(|k| {
+            swept += cross(at(k.saturating_sub(1)), at(k));
+            swept
+        })
+        .collect();
+    let least = LEAST * angle::PI * reach * reach;
+    let is_round = |i: usize, k: usize| {
+        let enclosed = doubled[k] - doubled[i] + cross(at(k), at(i));
+        enclosed.abs() > 2.0 * least && enclosed * swept < 0.0
+    };
+    let is_past = |i: usize, k: usize| {
+        let step = Piece::with_bulge(contacts[k - 1].from, contacts[k].from, 0.0);
+        step.distance(contacts[i].from) < SAME_PLACE
+    };
+    let bearing = |k: usize| angle::of(contacts[k].point - contacts[k].from);
+    let is_alike = |i: usize, k: usize| angle::wrap(bearing(i) - bearing(k)).abs() < SAME_SIDE;
+    // What was gone round lies within; before a gap nearly wide enough the wall is left and met at one place.
+    let is_around = |i: usize, k: usize| {
+        let way: Vec<Point> = contacts[i..k].iter().map(|contact| contact.from).collect();
+        Ring::polygon(&way).contains(contacts[i].point)
+    };
+    let pairs = (0..contacts.len()).flat_map(|i| (i + 1..contacts.len()).map(move |k| (i, k)));
+    pairs
+        .filter(|&(i, k)| is_round(i, k) && is_alike(i, k) && is_past(i, k) && is_around(i, k))
+        .min_by_key(|&(i, k)| k - i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{REACH, along};
+    use super::*;
+
+    /// A lap of a room along whose lower wall a box stands, that went round the box so often.
+    fn lap(rounds: usize) -> Vec<Contact> {
+        let around = [(2.0, 0.25), (1.7, 0.55), (2.0, 0.85), (2.3, 0.55), (2.0, 0.25)];
+        let mut contacts = along(&[(0.0, 0.0), (2.0, 0.0)], 1.0);
+        for _ in 0..rounds {
+            contacts.extend(along(&around, 1.0));
+        }
+        contacts.extend(along(&[(2.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)], 1.0));
+        contacts
+    }
+
+    #[test]
+    fn of_what_was_gone_round_again_one_round_is_kept() {
+        for rounds in [2, 3] {
+            let (once, kept) = (lap(1), once_round(&lap(rounds), REACH));
+            assert_eq!(kept.len(), once.len(), "{rounds} rounds");
+            let is_seen = |c: &Contact| kept.iter().any(|k| (k.point - c.point).norm() < 0.01);
+            assert!(once.iter().all(is_seen), "{rounds} rounds");
+        }
+    }
+
+    #[test]
+    fn a_lap_that_goes_round_nothing_again_stays_whole() {
+        for mut contacts in [lap(0), lap(1)] {
+            // Its beginning is seen again at its end.
+            contacts.extend(along(&[(0.0, 0.0), (0.5, 0.0)], 1.0));
+            assert_eq!(once_round(&contacts, REACH).len(), contacts.len());
+        }
+        // A thing is gone round from outside, and past where that began.
+        let around = [(0.0, 0.0), (0.0, 0.6), (0.6, 0.6), (0.6, 0.0), (0.0, 0.0), (0.0, 0.6)];
+        let contacts = along(&around, 1.0);
+        assert_eq!(once_round(&contacts, REACH).len(), contacts.len());
+    }
+}

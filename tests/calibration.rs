@@ -30,7 +30,7 @@ fn wheels_and_gyro_out_of_the_box_are_measured() {
     let (mut base, mut ratio, mut gyro) = (Vec::new(), Vec::new(), Vec::new());
     let mut deviations = Vec::new();
     for room in ROOMS {
-        for seed in 1..=6 {
+        for seed in 1..=20 {
             let known = measured(room, seed);
             let truth = Noise::new(NoiseProfile::Raw, seed, 8);
             let [left, right] = truth.wheel_scale;
@@ -49,8 +49,8 @@ fn wheels_and_gyro_out_of_the_box_are_measured() {
         (root_mean_square(&base), root_mean_square(&ratio), root_mean_square(&gyro));
     println!("base {:.2} mm, ratio {ratio:.6}, gyro {gyro:.5}", base * 1e3);
     println!("{:.2} standard deviations", root_mean_square(&deviations));
-    // As built these six are off by 0.4 mm, 0.009 and 0.003 (root mean square).
-    assert!(base < 0.0003 && ratio < 0.0002 && gyro < 0.001, "{base} {ratio} {gyro}");
+    // As built these twenty are off by 0.6 mm, 0.010 and 0.003 (root mean square).
+    assert!(base < 0.00025 && ratio < 0.0002 && gyro < 0.001, "{base} {ratio} {gyro}");
     assert!(root_mean_square(&deviations) < 1.5, "and it is known how well");
 }
 

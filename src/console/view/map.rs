@@ -199,7 +199,7 @@ fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
     pen.text(x, row, &text, Role::Muted);
 }
 
-/// Writes the map's title into the rule above it: how large the room is, or how much of it one sees.
+/// Writes the map's title into the rule above it: how large the room is, or how much floor is shown.
 pub fn draw_title(
     model: &Model,
     snapshot: &Snapshot,
@@ -208,15 +208,15 @@ pub fn draw_title(
     regions: &Regions,
     buf: &mut Buffer,
 ) {
-    let seen = format!("{:.1} × {:.1} m seen", view.x_range(), view.y_range());
+    let shown = format!("{:.1} × {:.1} m shown", view.x_range(), view.y_range());
     let room = snapshot.map.shape.as_ref().and_then(|shape| shape.outline.bounds());
     let what = match (model.camera, room) {
         (Camera::Fit, Some((low, high))) => {
             format!("room {:.2} × {:.2} m", high.x - low.x, high.y - low.y)
         }
-        (Camera::Fit, None) => seen,
-        (Camera::Follow { .. }, _) => format!("{seen} · following"),
-        (Camera::Free { .. }, _) => format!("{seen} · free view"),
+        (Camera::Fit, None) => shown,
+        (Camera::Follow { .. }, _) => format!("{shown} · following"),
+        (Camera::Free { .. }, _) => format!("{shown} · free view"),
     };
     let title = format!(" map · {what} ");
     let mut pen = Pen::new(buf, theme, regions.top_rule);

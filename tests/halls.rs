@@ -5,7 +5,7 @@
 mod common;
 
 use periplus::export::Outcome;
-use periplus::geometry::{Point, perp};
+use periplus::geometry::{Point, Ring, Vector, angle, cross, perp, rotate};
 use periplus::mapping::event::EventKind;
 use periplus::mapping::map::{LineStatus, Phase};
 use periplus::mapping::settings::Settings;
@@ -79,6 +79,27 @@ fn bays() -> Vec<Point> {
     outline
 }
 
+/// `corners` turned and shifted so that they lie on `outline` as well as they can: how a map lies as a whole
+/// the gyro has decided before the first wall was met.
+fn laid_on(outline: &Ring, corners: &[Point]) -> Vec<Point> {
+    let middle = |of: &[Point]| of.iter().map(|p| p.coords).sum::<Vector>() / of.len() as f64;
+    let mut laid = corners.to_vec();
+    for _ in 0..30 {
+        let feet: Vec<Point> =
+            laid.iter().filter_map(|p| Some(outline.nearest(*p)?.point)).collect();
+        let (from, to) = (middle(&laid), middle(&feet));
+        let sums = laid.iter().zip(&feet).fold(Vector::zeros(), |sums, (p, foot)| {
+            let (p, foot) = (p.coords - from, foot.coords - to);
+            sums + Vector::new(p.dot(&foot), cross(p, foot))
+        });
+        let turn = angle::of(sums);
+        for p in &mut laid {
+            *p = Point::from(to + rotate(p.coords - from, turn));
+        }
+    }
+    laid
+}
+
 #[test]
 fn a_lap_of_equal_bays_closes_on_the_one_it_began_at() {
     let outline = bays();
@@ -89,11 +110,13 @@ fn a_lap_of_equal_bays_closes_on_the_one_it_began_at() {
     );
     let world = World::from_toml(&text, "bays", 0.1).expect("a world");
     // The first seed: by odometry alone this lap lies a bay off as well.
-    let map =
-        common::mapped(&world, Settings::new(world.start), NoiseProfile::Calibrated, Phase::Shape);
-    let shape = map.shape.expect("a shape");
-    // One bay off would be spread over the lap: the far bays would lie 0.6 m beside where they are.
-    let off = |corner: &Point| shape.outline.distance(*corner);
-    let worst = outline.iter().map(off).fold(0.0, f64::max);
-    assert!(worst < 0.2, "a corner of the hall is {worst} m off the outline");
+    for seed in 1..=3 {
+        let settings = Settings { seed, ..Settings::new(world.start) };
+        let map = common::mapped(&world, settings, NoiseProfile::Calibrated, Phase::Shape);
+        let shape = map.shape.expect("a shape");
+        // One bay off would be spread over the lap, and no turn of the map would bring all bays to their places.
+        let off = |corner: &Point| shape.outline.distance(*corner);
+        let worst = laid_on(&shape.outline, &outline).iter().map(off).fold(0.0, f64::max);
+        assert!(worst < 0.2, "seed {seed}: a corner of the hall is {worst} m off the outline");
+    }
 }

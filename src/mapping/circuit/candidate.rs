@@ -249,7 +249,9 @@ impl Circuit {
         let last_round = self.last_round(&from, &to);
         let side = self.follower.side();
         let pocket = self.pocket;
-        let closure = Closure { from, to, side, drift: rate, last_round, pocket };
+        let over = to.travelled;
+        let closure = Closure { from, to, side, drift: rate, last_round, over, pocket };
+        let closure = closure.over_at(over);
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         // Where any drift may be, what is driven on bends with it.
         let driven = tracker.travelled() - to.travelled;

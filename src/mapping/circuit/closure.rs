@@ -58,6 +58,8 @@ pub struct Closure {
     pub drift: f64,
     /// Odometer where its last round began, metres: `from`'s, unless it closed on a later round only.
     pub last_round: f64,
+    /// Odometer until which what was seen is of the lap, metres: somewhat beyond `to`.
+    pub over: f64,
     /// What was driven round and round in a pocket on the way, if it came into one.
     pub pocket: Option<Pocket>,
 }
@@ -88,6 +90,13 @@ impl Closure {
         Self { from: self.from.unwound(unwound), to: self.to.unwound(unwound), ..*self }
     }
 
+    /// The same when the robot was back at its beginning when it had `travelled` so far: adjusting tells
+    /// better than the crossing by odometry where that was.
+    #[must_use]
+    pub fn over_at(self, travelled: f64) -> Self {
+        Self { over: self.over.max(travelled + BEYOND), ..self }
+    }
+
     /// Length of the lap along the robot's path, metres.
     #[must_use]
     pub fn length(&self) -> f64 {
@@ -99,7 +108,7 @@ impl Closure {
     #[must_use]
     pub fn holds(&self, travelled: f64) -> bool {
         travelled > self.last_round - BEFORE
-            && travelled <= self.to.travelled + BEYOND
+            && travelled <= self.over
             && !self.pocket.is_some_and(|pocket| pocket.holds(travelled))
     }
 

@@ -13,7 +13,7 @@ use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::retrace::Beside;
-use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes};
+use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap};
 use crate::mapping::shape;
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
@@ -70,6 +70,7 @@ impl Mission {
     fn close_boundary(&mut self, search: &Search, closure: &Closure, overlap: &Overlap) {
         let (earlier, wall) = (search.earlier(), search.wall());
         let adjustment = Adjustment::after(&self.tracker, earlier, closure, overlap, wall);
+        let closure = &whole_lap(search.wall(), closure, &adjustment);
         self.map.contacts = lap_contacts(search.wall(), closure, &adjustment);
         self.way = lap_strokes(search.wall(), closure, &adjustment);
         self.map.closed = true;

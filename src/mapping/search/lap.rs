@@ -12,6 +12,30 @@ use crate::robot::Chassis;
 /// The way round a post is no longer than this many times the circle about it.
 const POST_ROUNDS: f64 = 1.3;
 
+/// A crossing farther than this from where the lap began, metres, once both are adjusted, is not its end: ...
+const CROSSED_ELSEWHERE: f64 = 0.15;
+/// ... that is looked for so far beyond it, metres driven.
+const BEYOND_CROSSING: f64 = 3.0;
+
+/// `closure` with its end where the robot, adjusted, was back where the lap began. A crossing found by
+/// odometry may lie before that, and what stands between would be missing.
+#[must_use]
+pub fn whole_lap(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Closure {
+    let (from, to) = (&closure.from, &closure.to);
+    let begun = adjustment.pose(from.pose, from.time_us).position;
+    let off = |pose, time_us| (adjustment.pose(pose, time_us).position - begun).norm();
+    if off(to.pose, to.time_us) < CROSSED_ELSEWHERE {
+        return *closure;
+    }
+    let beyond =
+        |seen: &&Sighting| (0.0..BEYOND_CROSSING).contains(&(seen.travelled - to.travelled));
+    let back =
+        wall.log().iter().filter(beyond).min_by(|one, other| {
+            off(one.pose, one.time_us).total_cmp(&off(other.pose, other.time_us))
+        });
+    back.map_or(*closure, |seen| closure.over_at(seen.travelled))
+}
+
 /// The things that one lap, adjusted, went round; `contacts` are those of [`lap_contacts`]. A post is
 /// known by all that was seen of it rather than by contacts.
 #[must_use]

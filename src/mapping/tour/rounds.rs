@@ -12,7 +12,7 @@ use crate::mapping::follow::{Ask, Side};
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::passing::{Passing, Way};
-use crate::mapping::search::{lap_contacts, lap_strokes, lap_things};
+use crate::mapping::search::{lap_contacts, lap_strokes, lap_things, whole_lap};
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, things};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
@@ -86,6 +86,7 @@ impl Tour {
             Leg::Closed(closure, overlap) if closure.is_extrinsic() => {
                 let since = closure.from.time_us;
                 let mut adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
+                let closure = whole_lap(&round.circuit.wall, &closure, &adjustment);
                 let mut contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
                 let strokes = lap_strokes(&round.circuit.wall, &closure, &adjustment);
                 let seen = things(contacts.clone(), &strokes, &self.chassis);

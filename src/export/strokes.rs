@@ -3,12 +3,15 @@
 
 mod glyphs;
 
-use glyphs::{GLYPHS, Glyph, MISSING};
+use glyphs::{GLYPHS, Glyph, MARKS, MISSING};
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use unicode_normalization::UnicodeNormalization;
 
 /// Height of a capital letter in the glyphs' own units.
 const CAP: f64 = 7.0;
+/// Height of a small one.
+const SMALL: f64 = 5.0;
 /// Space after each glyph, in the same units.
 const SPACING: f64 = 1.5;
 
@@ -41,15 +44,36 @@ pub struct Style {
 }
 
 fn glyph(letter: char) -> &'static Glyph {
-    let found = GLYPHS.iter().find(|glyph| glyph.letter == letter);
+    let found = GLYPHS.iter().chain(MARKS).find(|glyph| glyph.letter == letter);
     found.unwrap_or(&MISSING)
+}
+
+/// The glyphs of a line, each with where it goes (x, y), and how wide all of it is, in the glyphs' units.
+fn set(text: &str) -> (Vec<(&'static Glyph, f64, f64)>, f64) {
+    let (mut line, mut at) = (Vec::new(), 0.0);
+    let mut letters = text.nfd().peekable();
+    let is_mark = |letter: char| MARKS.iter().any(|mark| mark.letter == letter);
+    let (mut middle, mut top) = (0.0, 0.0);
+    while let Some(letter) = letters.next() {
+        if is_mark(letter) {
+            line.push((glyph(letter), middle, if letter == '\u{327}' { 0.0 } else { -top }));
+            continue;
+        }
+        // A mark takes the place of the dot.
+        let is_marked = letters.peek().is_some_and(|next| is_mark(*next));
+        let shape = glyph(if letter == 'i' && is_marked { 'ı' } else { letter });
+        middle = at + shape.width / 2.0;
+        top = if letter.is_uppercase() { CAP } else { SMALL };
+        line.push((shape, at, 0.0));
+        at += shape.width + SPACING;
+    }
+    (line, (at - SPACING).max(0.0))
 }
 
 /// Width of a text with capitals of `height` pixels, in pixels.
 #[must_use]
 pub fn width(text: &str, height: f64) -> f64 {
-    let units: f64 = text.chars().map(|letter| glyph(letter).width + SPACING).sum();
-    (units - SPACING).max(0.0) * height / CAP
+    set(text).1 * height / CAP
 }
 
 impl Lettering {
@@ -70,15 +94,14 @@ impl Lettering {
             style.color,
             style.weight * CAP,
         );
-        let mut at = 0.0;
-        for letter in text.chars() {
-            let shape = glyph(letter);
-            if !shape.strokes.is_empty() {
-                self.used.insert(shape.letter);
-                // Writing to a string cannot fail.
-                let _ = write!(out, "<use href=\"#g{:x}\" x=\"{at:.1}\"/>", shape.letter as u32);
+        for (shape, x, y) in set(text).0 {
+            if shape.strokes.is_empty() {
+                continue;
             }
-            at += shape.width + SPACING;
+            self.used.insert(shape.letter);
+            // Writing to a string cannot fail.
+            let _ = write!(out, "<use href=\"#g{:x}\" x=\"{x:.1}\"", shape.letter as u32);
+            let _ = if y == 0.0 { write!(out, "/>") } else { write!(out, " y=\"{y:.1}\"/>") };
         }
         out.push_str("</g>\n");
         out
@@ -120,10 +143,7 @@ mod tests {
 
     #[test]
     fn every_letter_that_a_picture_needs_has_strokes() {
-        let letters = ('a'..='z')
-            .chain('A'..='Z')
-            .chain('0'..='9')
-            .chain(".,:;-–/()%+=±≥⌀°²×·α'_!?#".chars());
+        let letters = ('!'..='~').chain("–—…±≥⌀°²×·αßı".chars());
         for letter in letters {
             let shape = glyph(letter);
             assert_eq!(shape.letter, letter, "no glyph for `{letter}`");
@@ -134,9 +154,23 @@ mod tests {
     #[test]
     fn no_two_glyphs_are_for_the_same_letter() {
         let mut seen = BTreeSet::new();
-        for shape in GLYPHS {
+        for shape in GLYPHS.iter().chain(MARKS) {
             assert!(seen.insert(shape.letter), "two glyphs for `{}`", shape.letter);
         }
+    }
+
+    #[test]
+    fn a_mark_stands_over_its_letter_and_takes_no_room() {
+        assert_eq!(width("Küche", 7.0), width("Kuche", 7.0));
+        assert_eq!(width("naïf", 7.0), width("naif", 7.0));
+        let places = |text: &str| {
+            let (line, _) = set(text);
+            line.iter().map(|(shape, x, y)| (shape.letter, *x, *y)).collect::<Vec<_>>()
+        };
+        assert_eq!(places("ü"), [('u', 0.0, 0.0), ('\u{308}', glyph('u').width / 2.0, -SMALL)]);
+        assert_eq!(places("Ç")[1].2, 0.0, "a cedilla goes under");
+        assert_eq!(places("É")[1].2, -CAP);
+        assert_eq!(places("ï")[0].0, 'ı', "without its dot");
     }
 
     #[test]

@@ -10,8 +10,10 @@ use crate::mapping::map::Contact;
 const SAME_PLACE: f64 = 0.05;
 /// ... with what is seen there in the same direction, radians, ...
 const SAME_SIDE: f64 = 0.5;
-/// ... and the robot's way encloses at least this share of what it would round a thing without extent.
+/// ... and the robot's way encloses at least this share of what it would round a thing without extent, ...
 const LEAST: f64 = 0.8;
+/// ... or so much of the floor within a room, square metres: of a nook it leaves little to go round.
+const WITHIN: f64 = 0.02;
 /// A room is gone round again when the lap without that round encloses at least this share of it.
 const AS_MUCH: f64 = 0.7;
 /// Rounds at most: the follower goes on after that, or the lap has failed.
@@ -52,8 +54,11 @@ fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
     };
     let is_round = |i: usize, k: usize| {
         let (round, whole) = (enclosed(i, k), enclosed(0, contacts.len() - 1));
-        let of_all = (whole / round - 1.0) > AS_MUCH;
-        round.abs() > 2.0 * least && (of_all || whole / round < 0.0 && is_around(i, k))
+        if whole / round < 0.0 {
+            round.abs() > 2.0 * least && is_around(i, k)
+        } else {
+            round.abs() > 2.0 * WITHIN && whole / round - 1.0 > AS_MUCH
+        }
     };
     let is_past = |i: usize, k: usize| {
         let step = Piece::with_bulge(contacts[k - 1].from, contacts[k].from, 0.0);
@@ -100,6 +105,23 @@ mod tests {
         contacts.extend(along(&[(0.0, 0.0), (0.5, 0.0)], 1.0));
         let (kept, once) = (once_round(&contacts, REACH).len(), lap(0).len());
         assert!(kept.abs_diff(once) < 20, "{kept} of {once}");
+    }
+
+    #[test]
+    fn of_a_nook_that_was_gone_round_again_one_round_is_kept() {
+        // The way in it encloses 0.06 square metres.
+        let lap = |rounds: usize| {
+            let mut contacts = along(&[(0.0, 0.0), (2.0, 0.0)], 1.0);
+            for _ in 0..rounds {
+                contacts.extend(along(&[(2.0, 0.0), (2.0, -0.6), (2.45, -0.6), (2.45, 0.0)], 1.0));
+            }
+            contacts
+                .extend(along(&[(2.45, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)], 1.0));
+            contacts
+        };
+        let (kept, once) = (once_round(&lap(2), REACH).len(), lap(1).len());
+        assert!(kept.abs_diff(once) < 3, "{kept} of {once}");
+        assert_eq!(once_round(&lap(1), REACH).len(), lap(1).len());
     }
 
     #[test]

@@ -153,6 +153,7 @@ impl Circuit {
                 Verdict::Closed(closure, _) if self.is_pocket(&closure) => {
                     self.passed.push(self.candidates.remove(index).wound.1);
                 }
+                Verdict::Closed(closure, _) if self.is_contested(index, &closure, tracker) => {}
                 Verdict::Closed(closure, overlap) => return Leg::Closed(closure, overlap),
                 Verdict::Another => self.passed.push(self.candidates.remove(index).wound.1),
                 Verdict::More => {}

@@ -49,6 +49,9 @@ const LOOSE: f64 = 0.5;
 /// Where an overlap lies elsewhere as well, it is looked at again after so much more of it, metres.
 const ALIKE: f64 = 1.0;
 
+/// Candidates farther apart than this along the lap, metres, are of different places.
+const ANOTHER_PLACE: f64 = 0.9;
+
 /// How far the robot drives beyond the end of a `lap` (metres) that it found without a drift, metres.
 fn free_overlap(lap: f64) -> f64 {
     (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
@@ -200,6 +203,18 @@ impl Circuit {
             return Verdict::Closed(held.closure, Box::new(held.overlap));
         }
         Verdict::More
+    }
+
+    /// Whether another candidate, with another drift, is as sure of another place than the one that would end
+    /// the lap as `closure`: what is driven on tells which.
+    pub(super) fn is_contested(&self, index: usize, closure: &Closure, tracker: &Tracker) -> bool {
+        let elsewhere = |other: &Candidate| {
+            let apart = (other.wound.1.travelled - closure.to.travelled).abs();
+            apart > ANOTHER_PLACE && (other.alike || other.held.is_some())
+        };
+        let others = self.candidates.iter().enumerate().filter(|(k, _)| *k != index);
+        let driven = tracker.travelled() - closure.to.travelled;
+        driven < MOST_FREE_OVERLAP && others.map(|(_, other)| other).any(elsewhere)
     }
 
     /// Where the last round of a lap began, when it closed on a later round only: all along that and

@@ -354,6 +354,7 @@ impl Search {
     ) {
         let since = closure.from.time_us;
         let adjustment = Adjustment::new(tracker, closure, overlap, since);
+        let closure = &whole_lap(&self.wall, closure, &adjustment);
         let contacts = lap_contacts(&self.wall, closure, &adjustment);
         if is_mapped(&contacts, &map.objects.iter().map(|object| &object.outline)) {
             // It was met from another side, or led the robot off what it followed once more.

@@ -266,7 +266,6 @@ impl Circuit {
         let pocket = self.pocket;
         let over = to.travelled;
         let closure = Closure { from, to, side, drift: rate, last_round, over, pocket };
-        let closure = closure.over_at(over);
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         // Where any drift may be, what is driven on bends with it.
         let driven = tracker.travelled() - to.travelled;

@@ -58,7 +58,7 @@ pub struct Closure {
     pub drift: f64,
     /// Odometer where its last round began, metres: `from`'s, unless it closed on a later round only.
     pub last_round: f64,
-    /// Odometer until which what was seen is of the lap, metres: somewhat beyond `to`.
+    /// Odometer when the robot was back where the lap began, metres: `to`'s, or later, if adjusting told so.
     pub over: f64,
     /// What was driven round and round in a pocket on the way, if it came into one.
     pub pocket: Option<Pocket>,
@@ -94,7 +94,7 @@ impl Closure {
     /// better than the crossing by odometry where that was.
     #[must_use]
     pub fn over_at(self, travelled: f64) -> Self {
-        Self { over: self.over.max(travelled + BEYOND), ..self }
+        Self { over: self.over.max(travelled), ..self }
     }
 
     /// Length of the lap along the robot's path, metres.
@@ -108,7 +108,7 @@ impl Closure {
     #[must_use]
     pub fn holds(&self, travelled: f64) -> bool {
         travelled > self.last_round - BEFORE
-            && travelled <= self.over
+            && travelled <= self.over + BEYOND
             && !self.pocket.is_some_and(|pocket| pocket.holds(travelled))
     }
 

@@ -25,12 +25,14 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
+pub use assemble::Loops;
 pub use chord::mouths;
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed, lost};
 pub use neck::{islands, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 
+use self::corner::Judge;
 use super::event::Failure;
 use super::map::{Contact, ContactKind};
 use crate::geometry::{Point, Ring};
@@ -62,15 +64,21 @@ pub(crate) struct Sample {
 /// The wall line through the contacts of a closed lap: closed, simple, counter-clockwise, of
 /// lines and arcs. `contacts` come in time order, the last adjoins the first (some wall seen
 /// twice does no harm); `reach` is body radius plus range of the switches, metres. A round room may be
-/// bent by `give` metres: so far the gyro may have led the lap astray.
+/// bent by `give` metres: so far the gyro may have led the lap astray. A fit that crosses itself is freed of
+/// such `loops`. None when the contacts are too few or make no simple closed outline in which they can have
+/// been made.
+#[must_use]
+pub fn fit(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<Ring> {
+    let ring = fitted(contacts, reach, give, loops).map(Ring::counter_clockwise);
+    ring.filter(|ring| holds(ring, contacts, reach))
+}
+
+/// The same, of contacts that are joined where no fit can be made of them.
 ///
 /// # Errors
-/// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline in which they
-/// can have been made.
-pub fn outline(contacts: &[Contact], reach: f64, give: f64) -> Result<Ring, Failure> {
-    let ring = fitted(contacts, reach, give).map(Ring::counter_clockwise);
-    let ring = ring.filter(|ring| holds(ring, contacts, reach));
-    ring.map_or_else(|| joined(contacts, reach), Ok)
+/// [`Failure::OutlineBroken`] when not even that makes a simple closed outline.
+pub fn outline(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Result<Ring, Failure> {
+    fit(contacts, reach, give, loops).map_or_else(|| joined(contacts, reach), Ok)
 }
 
 /// Whether the robot was within `ring` when it made the `contacts`, but for those in pockets that the
@@ -105,7 +113,7 @@ pub fn uncrossed(outline: &Ring) -> Option<Ring> {
 }
 
 /// The outline with the floor on the left; none when there is no simple one.
-fn fitted(contacts: &[Contact], reach: f64, give: f64) -> Option<Ring> {
+fn fitted(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<Ring> {
     let ordered = order::along_wall(contacts, reach);
     let mut samples = samples(&ordered, LEAST_SIGMA);
     if samples.len() < 4 {
@@ -121,7 +129,7 @@ fn fitted(contacts: &[Contact], reach: f64, give: f64) -> Option<Ring> {
         return Some(circle);
     }
     let runs = segment::runs(&mut samples, sigma);
-    assemble::ring(&samples, &runs, sigma, reach)
+    assemble::ring(&Judge { samples: &samples, sigma, reach }, &runs, loops)
 }
 
 /// The surface contacts, near doubles taken together, each with the edges that follow it.

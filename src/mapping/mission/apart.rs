@@ -1,11 +1,12 @@
 //! What the lap went round that is no part of the wall: made objects of while the shape is found, each with
 //! its own contacts. What stands apart, the `shape` says; nothing is driven for it.
 
+use super::phases::REFINED;
 use super::{Mission, Output};
 use crate::geometry::{Piece, Ring};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
-use crate::mapping::shape::{self, Enclosed, Thing};
+use crate::mapping::shape::{self, Enclosed, Loops, Thing};
 
 impl Mission {
     /// Makes objects of what the lap went round within the room; false when there is nothing.
@@ -25,6 +26,7 @@ impl Mission {
     /// lost; what remains of it.
     pub(super) fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
         let chassis = &self.settings.chassis;
+        let was_joined = self.fit(Loops::Touched).is_none();
         let (rest, islands) = shape::islands(outline, &self.map.contacts, &self.way, chassis);
         // Each of them has the contacts that lie nearest to it, and the wall has the rest.
         let (walls, own): (Vec<Contact>, Vec<Contact>) =
@@ -43,10 +45,13 @@ impl Mission {
         for thing in lost {
             self.stands_apart(thing, out);
         }
-        // A round room is seen to be round when nothing hangs on it any longer.
-        let round = alone.then(|| self.fitted_outline().ok()).flatten();
-        let round = round.filter(|ring| matches!(ring.pieces[..], [Piece::Arc { .. }]));
-        round.unwrap_or(rest)
+        // A round room is seen to be round when nothing hangs on it any longer; and where the contacts could
+        // only be joined, a fit may be made of what is left.
+        let again = (alone || was_joined).then(|| self.fit(Loops::All)).flatten();
+        let is_round = |ring: &Ring| matches!(ring.pieces[..], [Piece::Arc { .. }]);
+        let is_same = |ring: &Ring| (ring.area() / rest.area() - 1.0).abs() < REFINED;
+        let better = again.filter(|ring| is_round(ring) || (was_joined && is_same(ring)));
+        better.unwrap_or(rest)
     }
 
     fn stands_apart(&mut self, thing: Thing, out: &mut Vec<Output>) {

@@ -14,7 +14,7 @@ use crate::mapping::map::{Contact, Phase, stretches};
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::retrace::Beside;
 use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap};
-use crate::mapping::shape;
+use crate::mapping::shape::{self, Loops};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
 use crate::mapping::tour::{Scene, Tour, Turn};
@@ -26,7 +26,7 @@ const LOPSIDED: f64 = 0.31;
 
 /// An outline fitted anew after the tour is the same room when its area differs by no more than this
 /// share.
-const REFINED: f64 = 0.05;
+pub(super) const REFINED: f64 = 0.05;
 
 /// Places of the lap whose doubt is looked at, at most.
 const MOST_DOUBTS: usize = 40;
@@ -105,8 +105,16 @@ impl Mission {
         survey.rebase();
     }
 
-    /// The outline through the contacts of the lap as they are believed by now.
+    /// The outline through the contacts of the lap as they are believed by now. Until it is said what
+    /// stands apart, a large loop may be of that.
     pub(super) fn fitted_outline(&self) -> Result<Ring, Failure> {
+        let loops = if self.map.shape.is_some() { Loops::All } else { Loops::Touched };
+        let joined = || shape::joined(&self.map.contacts, self.settings.chassis.reach());
+        self.fit(loops).map_or_else(joined, Ok)
+    }
+
+    /// What is fitted to the contacts of the lap, freed of such `loops`.
+    pub(super) fn fit(&self, loops: Loops) -> Option<Ring> {
         let contacts = &self.map.contacts;
         let knots = self.survey.knots();
         // Places spread over the lap tell how far it may be bent.
@@ -116,7 +124,7 @@ impl Mission {
                 self.survey.spread_at(contact.point, &tie).trace() / 2.0
             });
         let give = doubts.fold(0.0, f64::max).max(0.0).sqrt();
-        shape::outline(contacts, self.settings.chassis.reach(), give)
+        shape::fit(contacts, self.settings.chassis.reach(), give, loops)
     }
 
     /// Lets the smooth walls of `outline` straighten the lap; true when there are any.

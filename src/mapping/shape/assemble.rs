@@ -3,7 +3,9 @@
 
 use super::Sample;
 use super::chain::{TOLERANCE, thinned};
+use super::chord::{Floor, is_chord};
 use super::corner::{Joint, Judge};
+use super::gap::TOUCHING;
 use super::plain::plain;
 use super::segment::{Model, Run};
 use crate::geometry::simple::crossings;
@@ -30,6 +32,20 @@ pub(super) struct Vertex {
     pub(super) run: usize,
 }
 
+/// A loop at a crossing is no more than contacts out of order up to this length, metres.
+const LARGEST_LOOP: f64 = 1.0;
+
+/// Which loops an outline that crosses itself is freed of, beside those of up to a metre. They are of something
+/// that hangs on the wall, and are turned over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loops {
+    /// Those where sides cross that were touched: noise has laid the faces of a thin wall through each other.
+    /// What only gaps join to the wall may stand apart.
+    Touched,
+    /// All.
+    All,
+}
+
 /// How freely a run may be drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Freedom {
@@ -41,16 +57,22 @@ enum Freedom {
     Contacts,
 }
 
-/// The ring of `runs`; none when no simple one can be made.
-pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> Option<Ring> {
-    let judge = Judge { samples, sigma, reach };
+/// The ring of `runs`, freed of such `loops`; none when no simple one can be made.
+pub(super) fn ring(judge: &Judge<'_>, runs: &[Run], loops: Loops) -> Option<Ring> {
+    let touched: Vec<(Point, Point)> = judge.samples.iter().map(|s| (s.point, s.from)).collect();
+    // The floor is on the left, whatever the outline is of.
+    let crosses_gap = |&(from, to): &(Point, Point)| {
+        let side = Piece::with_bulge(from, to, 0.0);
+        is_chord(&side, Floor::Inside, &touched, &(TOUCHING..f64::INFINITY))
+    };
+    let turned = |sides: [(Point, Point); 2]| loops == Loops::All || !sides.iter().all(crosses_gap);
     let mut freedom = vec![Freedom::Fit; runs.len()];
     for _ in 0..40 {
-        let vertices = clean(without_small_loops(tidy(draw(&judge, runs, &freedom))));
+        let vertices = clean(without_small_loops(tidy(draw(judge, runs, &freedom))));
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
         let Some(&(i, k)) = crossings(&points).first() else {
-            let plain = to_ring(&clean(plain(vertices.clone(), &judge)));
+            let plain = to_ring(&clean(plain(vertices.clone(), judge)));
             let simple = crossings(&chords(&plain).0).is_empty();
             return (vertices.len() >= 2).then_some(if simple { plain } else { made });
         };
@@ -59,11 +81,11 @@ pub(super) fn ring(samples: &[Sample], runs: &[Run], sigma: f64, reach: f64) -> 
         let size = |n: usize| runs[n].last - runs[n].first;
         let (doubtful, other) = if size(a) <= size(b) { (a, b) } else { (b, a) };
         if !restrain(&mut freedom, doubtful) && !restrain(&mut freedom, other) {
-            return uncrossed(points);
+            return uncrossed(points, turned);
         }
     }
-    let made = to_ring(&tidy(draw(&judge, runs, &freedom)));
-    uncrossed(chords(&made).0)
+    let made = to_ring(&tidy(draw(judge, runs, &freedom)));
+    uncrossed(chords(&made).0, turned)
 }
 
 /// A simple ring from `ring`, which corrections of its corners may have made cross itself: loops of a
@@ -77,7 +99,7 @@ pub(super) fn simple(ring: &Ring) -> Option<Ring> {
         return Some(ring.clone());
     }
     let made = to_ring(&without_small_loops(vertices));
-    if is_simple(&made) { Some(made) } else { uncrossed(chords(&made).0) }
+    if is_simple(&made) { Some(made) } else { uncrossed(chords(&made).0, |_| false) }
 }
 
 /// One step less freedom for a run; false when it has none left.
@@ -253,9 +275,9 @@ fn chords(ring: &Ring) -> (Vec<Point>, Vec<usize>) {
 }
 
 /// A simple polygon from one that still crosses itself. The shorter loop at each crossing goes, unless it
-/// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again.
-fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
-    const LARGEST_LOOP: f64 = 1.0;
+/// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again. A loop
+/// of more than a metre goes like that where its two sides that cross are to be `turned`; none else.
+fn uncrossed(mut points: Vec<Point>, turned: impl Fn([(Point, Point); 2]) -> bool) -> Option<Ring> {
     // Contacts out of order make loops that enclose next to nothing.
     const THICK: f64 = 0.012;
     for _ in 0..200 {
@@ -270,7 +292,9 @@ fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
         };
         let inner = length(i + 1, k);
         let outer = length(k + 1, points.len() + i);
-        if inner.min(outer) > LARGEST_LOOP {
+        let is_large = inner.min(outer) > LARGEST_LOOP;
+        let side = |n: usize| (points[n], points[(n + 1) % points.len()]);
+        if is_large && !turned([side(i), side(k)]) {
             return None;
         }
         let looped: Vec<Point> = if inner <= outer {
@@ -278,7 +302,7 @@ fn uncrossed(mut points: Vec<Point>) -> Option<Ring> {
         } else {
             points[k + 1..].iter().chain(&points[..=i]).copied().collect()
         };
-        if Ring::polygon(&looped).area().abs() > THICK * inner.min(outer) {
+        if is_large || Ring::polygon(&looped).area().abs() > THICK * inner.min(outer) {
             points[i + 1..=k].reverse();
         } else if inner <= outer {
             points.drain(i + 1..=k);

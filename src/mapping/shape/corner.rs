@@ -107,7 +107,9 @@ impl Judge<'_> {
         let back = self.noise() / angle::sin(turn.abs().min(1.57)).max(0.01);
         let smooth = turn.abs() < 0.1;
         let behind = if smooth { 0.35 } else { back.min(0.06) };
-        if beyond_a < -behind || beyond_b < -behind {
+        // A joint that leaves nothing of a run would turn it round.
+        let behind = |run: &Run| behind.min(self.span(run));
+        if beyond_a < -behind(a) || beyond_b < -behind(b) {
             return None;
         }
         let limit = if smooth {
@@ -128,6 +130,11 @@ impl Judge<'_> {
             return None;
         }
         (smooth || !self.seen_through(a, b, end, corner, start)).then_some(corner)
+    }
+
+    /// From the first contact of the run to its last, metres.
+    fn span(&self, run: &Run) -> f64 {
+        (self.foot(run, run.last) - self.foot(run, run.first)).norm()
     }
 
     /// Farther than this off its wall a contact is not by noise alone, metres.

@@ -172,7 +172,8 @@ fn cut_at(
     pairs.into_iter().find_map(|(i, k)| {
         let (rest, island) = split(outline, i, k, floor)?;
         // Both as they were cut and as they are fitted: a fit may leave out a thin end.
-        if Gap::between(&rest, &island)?.is_closed() {
+        let gap = Gap::between(&rest, &island)?;
+        if gap.is_closed() || gap.is_passed(chassis) {
             return None;
         }
         let (rest, island) = match floor {
@@ -185,7 +186,8 @@ fn cut_at(
             }
         };
         let free = |p: Point| (floor == Floor::Inside) == rest.contains(p) && !island.contains(p);
-        Gap::between(&rest, &island)?.is_swept(free, chassis).then_some((rest, island))
+        let gap = Gap::between(&rest, &island)?;
+        (gap.is_passed(chassis) || gap.is_swept(free, chassis)).then_some((rest, island))
     })
 }
 
@@ -219,14 +221,16 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
         if (first - last).norm() > 1e-4 {
             ring.push(Piece::with_bulge(last, first, 0.0));
         }
-        let ring = Ring { pieces: ring };
-        crossings(&ring.to_points(SAGITTA)).is_empty().then_some(ring)
+        Some(Ring { pieces: ring })
     };
+    let is_simple = |ring: &Ring| crossings(&ring.to_points(SAGITTA)).is_empty();
     let trimmed = |whole: &[Piece]| {
         let trims = (0..=2 * TRIMMED).flat_map(|sum| (0..=sum).map(move |m| (m, sum - m)));
-        trims
+        let simple = trims
             .filter(|(m, n)| *m <= TRIMMED && *n <= TRIMMED && m + n < whole.len())
-            .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()))
+            .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()).filter(is_simple));
+        // A contact of the other face of a thin wall may reach through the side that was put in.
+        simple.or_else(|| super::uncrossed(&closed(whole.to_vec())?))
     };
     let rest = trimmed(&between(k, i))?;
     let island = trimmed(&between(i, k))?;

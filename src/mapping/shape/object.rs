@@ -1,6 +1,7 @@
 //! Outlines of extrinsic objects, which the robot met from outside: fitted where it went all the way round,
 //! else drawn as far as it saw. Knows nothing of where else on the map a thing may stand.
 
+use super::assemble::Loops;
 use super::classify::SHALLOW;
 use super::order;
 use super::rectangle::rectangle;
@@ -46,7 +47,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         return (chain(contacts), ObjectClass::Open);
     }
     // The floor lies outside: the fitted ring runs clockwise round the solid.
-    let fitted = super::fitted(contacts, REACH, 0.0).map(Ring::counter_clockwise);
+    let fitted = super::fitted(contacts, REACH, 0.0, Loops::All).map(Ring::counter_clockwise);
     let is_sound = |ring: &&Ring| share_on(ring, contacts) >= NEARLY_ALL;
     let fit = fitted.as_ref().filter(is_sound);
     let spread = fit.map_or(f64::INFINITY, |ring| spread(ring, contacts));

@@ -37,7 +37,7 @@ fn rooms_are_fitted_to_what_their_contacts_scatter_by() {
             [0.0, 0.0015].into_iter().flat_map(|s| (0..4).map(move |seed| (s, seed)))
         {
             let contacts = roll(&ring, Roll::new(sigma, seed));
-            let fitted = outline(&contacts, REACH, 0.0).expect(name);
+            let fitted = outline(&contacts, REACH, 0.0, Loops::Touched).expect(name);
             let error = compare(&fitted, &ring);
             let (iou, p95, worst) = bounds(name);
             assert!(
@@ -55,12 +55,12 @@ fn rooms_are_fitted_to_what_their_contacts_scatter_by() {
 fn an_outline_that_leaves_out_where_the_robot_was_is_none() {
     let room = worlds::l_room();
     let mut contacts = roll(&room, Roll::new(0.0, 0));
-    assert!(outline(&contacts, REACH, 0.0).is_ok());
+    assert!(outline(&contacts, REACH, 0.0, Loops::Touched).is_ok());
     // As if a tenth of them had been made from behind the wall.
     for contact in contacts.iter_mut().step_by(10) {
         contact.from = contact.point + (contact.point - contact.from);
     }
-    assert_eq!(outline(&contacts, REACH, 0.0), Err(Failure::OutlineBroken));
+    assert_eq!(outline(&contacts, REACH, 0.0, Loops::Touched), Err(Failure::OutlineBroken));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::mapping::map::Phase;
 use crate::mapping::mission::{Mission, Outcome, Output};
 use crate::mapping::settings::Settings;
 use crate::mapping::tape::Tape;
-use crate::robot::{Command, Intent, Telemetry};
+use crate::robot::{Command, CommandId, DoneReason, Intent, Telemetry};
 use crate::safety::{Gate, Leap, Watch};
 use std::collections::VecDeque;
 
@@ -42,6 +42,8 @@ pub struct Session {
     watch: Watch,
     /// What the robot said last cannot be.
     fault: Option<Leap>,
+    /// The motion whose end was told by a message that cannot be.
+    unended: Option<CommandId>,
     run: RunState,
     until: Phase,
     progress: [PhaseProgress; 4],
@@ -63,6 +65,7 @@ impl Session {
             gate: Gate::new(&settings.chassis),
             watch: Watch::new(&settings.chassis),
             fault: None,
+            unended: None,
             mission: Mission::new(settings),
             run: RunState::Paused,
             until,
@@ -139,11 +142,31 @@ impl Session {
         self.note(EventKind::Alarm { what }, out);
     }
 
+    /// A motion whose end could not be believed has ended where the robot is next believed to stand.
+    fn ended_with_it(&mut self, believed: Telemetry) -> Telemetry {
+        match (believed, self.unended) {
+            (Telemetry::Report { odometer, switches, bumper }, Some(id)) => {
+                self.unended = None;
+                Telemetry::Done { id, reason: DoneReason::Stopped, odometer, switches, bumper }
+            }
+            (Telemetry::Done { .. }, _) => {
+                self.unended = None;
+                believed
+            }
+            _ => believed,
+        }
+    }
+
     /// Takes one message of the robot and goes on if that is allowed.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Outgoing>) {
         let input = match self.watch.admit(input) {
-            Ok(input) => input,
-            Err(leap) => return self.disbelieve(leap, out),
+            Ok(believed) => self.ended_with_it(believed),
+            Err(leap) => {
+                if let Telemetry::Done { id, .. } = input {
+                    self.unended = Some(*id);
+                }
+                return self.disbelieve(leap, out);
+            }
         };
         self.fault = None;
         let phase = self.mission.phase() as usize;
@@ -265,7 +288,7 @@ impl Session {
                 self.run = RunState::Paused;
                 break;
             }
-            if !may || !self.heard || !self.mission.is_ready() {
+            if !may || !self.heard || self.fault.is_some() || !self.mission.is_ready() {
                 break;
             }
             let mut outputs = Vec::new();
@@ -383,3 +406,6 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

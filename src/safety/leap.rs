@@ -49,13 +49,27 @@ pub enum Leap {
     Uncountable,
 }
 
-/// Holds every message against the one before it.
+impl Leap {
+    /// Seconds of robot time in which a robot that cannot be believed may have driven.
+    fn seconds(&self) -> f64 {
+        match self {
+            Self::Wheel { seconds, .. } | Self::Gyro { seconds, .. } => *seconds,
+            Self::Clock { .. } | Self::Uncountable => 0.0,
+        }
+    }
+}
+
+/// Holds every message against the last one that was believed.
 #[derive(Debug, Clone)]
 pub struct Watch {
     tick: f64,
     wheel: f64,
     turn: f64,
+    /// What the last message that was believed counted.
     last: Option<Odometer>,
+    /// Seconds of robot time from then to the first one that was not; none while all are believed. A robot
+    /// that is not believed is stopped: no patience makes a way of what it counted.
+    doubted: Option<f64>,
     /// After so many values the encoders' counters begin anew, once they have been seen to.
     round: Option<i64>,
 }
@@ -69,17 +83,27 @@ impl Watch {
             wheel: GENEROUS * (chassis.speed + chassis.turn_rate * chassis.wheel_base / 2.0),
             turn: GENEROUS * chassis.turn_rate,
             last: None,
+            doubted: None,
             round: None,
         }
     }
 
     /// Takes a message into account, if the robot can have got there from the last one that was; gives it
-    /// back with the wheels counted on where their counters came round.
+    /// back with the wheels counted on where their counters came round. After one that was not, the robot
+    /// must count on from where it was believed to be, however long that takes.
     ///
     /// # Errors
     /// What it cannot have done.
     pub fn admit(&mut self, told: &Telemetry) -> Result<Telemetry, Leap> {
-        let mut told = *told;
+        let believed = self.counted(*told);
+        self.doubted = match &believed {
+            Ok(_) => None,
+            Err(leap) => self.doubted.or(Some(leap.seconds())),
+        };
+        believed
+    }
+
+    fn counted(&mut self, mut told: Telemetry) -> Result<Telemetry, Leap> {
         let odometer = match &mut told {
             Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. } => odometer,
             Telemetry::Edge(edge) => &mut edge.odometer,
@@ -125,6 +149,7 @@ impl Watch {
         if seconds > YEAR {
             return Err(Leap::Clock { seconds });
         }
+        let seconds = self.doubted.unwrap_or(seconds);
         let metres = self.farthest(to) as f64 * self.tick;
         let radians = (to.heading - last.heading).abs();
         if metres > METRES + self.wheel * seconds.min(LONGEST) {

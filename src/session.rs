@@ -9,7 +9,7 @@ pub mod snapshot;
 pub use replay::Replay;
 pub use snapshot::{Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
 
-use crate::mapping::event::{Event, EventKind, Severity};
+use crate::mapping::event::{Event, EventKind, Failure, Severity};
 use crate::mapping::map::Phase;
 use crate::mapping::mission::{Mission, Outcome, Output};
 use crate::mapping::settings::Settings;
@@ -33,6 +33,9 @@ pub enum Outgoing {
 
 /// Events that are kept for the screen.
 const KEPT_EVENTS: usize = 500;
+
+/// A mission decides so often at most without a motion: one that does more is at fault.
+const MOST_DECISIONS: usize = 1000;
 
 /// A run, as the operator sees it.
 #[derive(Debug, Clone)]
@@ -278,18 +281,26 @@ impl Session {
         self.note(EventKind::Alarm { what }, out);
     }
 
+    /// The program itself is at fault, as `why` says: the robot is stopped, and the run is over.
+    fn astray(&mut self, why: String, out: &mut Vec<Outgoing>) {
+        out.push(Outgoing::Stop);
+        self.gate.latch();
+        self.run = RunState::Failed(Failure::Internal);
+        self.note(EventKind::Alarm { what: why }, out);
+        self.note(EventKind::Failed { why: Failure::Internal }, out);
+    }
+
     /// Lets the mission decide as long as it is ready and allowed to.
     fn go_on(&mut self, out: &mut Vec<Outgoing>) {
-        // Bounded: a mission that decides without ever moving is at fault, and stops here.
-        for _ in 0..1000 {
+        for _ in 0..MOST_DECISIONS {
             let may = matches!(self.run, RunState::Running | RunState::Stepping(_));
             if may && self.mission.waits_for_place() {
                 // Nothing can be done before the operator says where the robot is.
                 self.run = RunState::Paused;
-                break;
+                return;
             }
             if !may || !self.heard || self.fault.is_some() || !self.mission.is_ready() {
-                break;
+                return;
             }
             let mut outputs = Vec::new();
             self.mission.proceed(&mut outputs);
@@ -300,9 +311,13 @@ impl Session {
             }
             self.judge(out);
         }
+        self.astray("nothing moves although it is decided on and on".to_owned(), out);
     }
 
     fn judge(&mut self, out: &mut Vec<Outgoing>) {
+        if matches!(self.run, RunState::Failed(_)) {
+            return;
+        }
         match self.mission.outcome() {
             Outcome::Going => {}
             Outcome::Complete => self.run = RunState::Complete,
@@ -323,12 +338,7 @@ impl Session {
                         self.command = Some((command, why));
                         out.push(Outgoing::Command(command));
                     }
-                    Err(refusal) => {
-                        self.run = RunState::Stopped;
-                        self.gate.latch();
-                        let why = format!("command refused: {refusal}");
-                        self.note(EventKind::Reason { why }, out);
-                    }
+                    Err(refusal) => self.astray(format!("command refused: {refusal}"), out),
                 },
                 Output::Event(event) => self.happened(event, out),
             }

@@ -99,3 +99,15 @@ fn a_motion_whose_end_was_not_believed_has_ended() {
     session.intent(Intent::Run, &mut out);
     assert!(command(&out).is_some(), "the operator cannot go on");
 }
+
+/// A command that the gate does not let through is a mistake in the program: the robot is stopped, and the
+/// run is over rather than waiting for the end of a motion that never began.
+#[test]
+fn a_refused_command_ends_the_run() {
+    let mut wrong = settings();
+    wrong.chassis.speed = f64::INFINITY;
+    let (session, out) = begun(wrong, Phase::Objects, Intent::Run);
+    assert_eq!(command(&out), None);
+    assert!(out.contains(&Outgoing::Stop), "{out:?}");
+    assert!(matches!(session.run_state(), RunState::Failed(_)), "{:?}", session.run_state());
+}

@@ -275,10 +275,12 @@ impl Session {
         }
     }
 
-    /// Tells the operator something that is no business of the mission: of the link, of the record.
+    /// Tells the operator something that is no business of the mission: of the link, of the record. A
+    /// record of the run does not bring it back, so it leaves the run as it is.
     pub fn remark(&mut self, what: String, out: &mut Vec<Outgoing>) {
         self.version += 1;
-        self.note(EventKind::Alarm { what }, out);
+        let time_us = self.mission.tracker().time_us();
+        self.keep(Event { time_us, kind: EventKind::Alarm { what } }, out);
     }
 
     /// The program itself is at fault, as `why` says: the robot is stopped, and the run is over.
@@ -368,6 +370,11 @@ impl Session {
         if stands_out && self.run == RunState::Stepping(Step::Event) {
             self.run = RunState::Paused;
         }
+        self.keep(event, out);
+    }
+
+    /// To the screen and to the record.
+    fn keep(&mut self, event: Event, out: &mut Vec<Outgoing>) {
         if self.events.len() == KEPT_EVENTS {
             self.events.pop_front();
         }

@@ -111,3 +111,37 @@ fn a_refused_command_ends_the_run() {
     assert!(out.contains(&Outgoing::Stop), "{out:?}");
     assert!(matches!(session.run_state(), RunState::Failed(_)), "{:?}", session.run_state());
 }
+
+/// What is told of the link is no step of the run: the replay does not hear of it.
+#[test]
+fn a_remark_leaves_the_run_as_it_is() {
+    let (mut session, out) = begun(settings(), Phase::Objects, Intent::StepEvent);
+    // What happened at the beginning ended the step: the next one is at nothing but motions.
+    let mut first = command(&out);
+    let mut records = vec![Entry::Telemetry(report(1.0, 0)), Entry::Intent(Intent::StepEvent)];
+    records.extend(first.map(Entry::Command));
+    for k in 0..3 {
+        let mut out = Vec::new();
+        if session.run_state() == RunState::Paused {
+            records.push(Entry::Intent(Intent::StepEvent));
+            session.intent(Intent::StepEvent, &mut out);
+            let next = command(&out);
+            records.extend(next.map(Entry::Command));
+            first = first.or(next);
+        }
+        session.remark("nothing heard from the robot for 0.5 s".to_owned(), &mut out);
+        assert_eq!(session.run_state(), RunState::Stepping(Step::Event));
+        let told = done(&first.expect("a command"), 2.0 + f64::from(k), 500 * i64::from(k + 1));
+        let mut out = Vec::new();
+        session.telemetry(&told, &mut out);
+        first = command(&out);
+        records.push(Entry::Telemetry(told));
+        records.extend(first.map(Entry::Command));
+    }
+    let records = records.into_iter().map(|entry| Record { time_us: 0, entry }).collect();
+    let mut replay = Replay::new(Recording { header: header(), records, torn: None, sound: 0 });
+    replay.finish();
+    assert_eq!(replay.difference(), None);
+    assert_eq!(replay.session().run_state(), session.run_state());
+    assert_eq!(replay.into_session().1, [], "the replay went on where the run stood");
+}

@@ -145,3 +145,19 @@ fn a_remark_leaves_the_run_as_it_is() {
     assert_eq!(replay.session().run_state(), session.run_state());
     assert_eq!(replay.into_session().1, [], "the replay went on where the run stood");
 }
+
+/// After the end of what was asked for, the robot is placed nowhere any more.
+#[test]
+fn nothing_is_placed_after_the_run() {
+    let (mut session, _) = begun(settings(), Phase::Boundary, Intent::Pause);
+    session.progress[Phase::Boundary as usize].done = true;
+    session.judge(&mut Vec::new());
+    assert_eq!(session.run_state(), RunState::Complete);
+    let mut out = Vec::new();
+    session.intent(Intent::Placed { near: Some(Pose::new(3.0, 2.0, 1.0)) }, &mut out);
+    assert_eq!(session.mission().tracker().pose(), Pose::new(0.0, 0.0, 0.0));
+    let told = out.iter().any(|outgoing| {
+        matches!(outgoing, Outgoing::Event(event) if event.kind.to_string().contains("after the run"))
+    });
+    assert!(told, "{out:?}");
+}

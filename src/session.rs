@@ -94,6 +94,12 @@ impl Session {
         self.run
     }
 
+    /// Whether a stop is latched: nothing moves before the operator clears it.
+    #[must_use]
+    pub fn is_latched(&self) -> bool {
+        self.gate.is_latched()
+    }
+
     /// The phase that was to end the run and has, short of a complete map; none otherwise.
     #[must_use]
     pub fn ended_with(&self) -> Option<Phase> {
@@ -139,8 +145,8 @@ impl Session {
             self.run = RunState::Stopped;
         }
         let what = format!(
-            "the robot cannot be believed: {leap}. Look at its encoders and at the line; switch it off and \
-             on, and it finds its place again"
+            "the robot cannot be believed: {leap}. Look at its encoders, its clock and the line; switch it off \
+             and on, and it finds its place again"
         );
         self.note(EventKind::Alarm { what }, out);
     }

@@ -40,11 +40,3 @@ impl Restart {
         told
     }
 }
-
-/// What a message counts.
-pub(super) fn counted(told: &Telemetry) -> Odometer {
-    match told {
-        Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. } => *odometer,
-        Telemetry::Edge(edge) => edge.odometer,
-    }
-}

@@ -8,7 +8,7 @@ mod telling;
 use super::{Ending, keep};
 use crate::export::Outcome;
 use crate::geometry::Pose;
-use crate::journal::{Header, Journal, RobotMark};
+use crate::journal::{Header, Journal, Life, RobotMark};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
@@ -37,6 +37,8 @@ pub struct Interrupted {
     pub session: Session,
     /// The robot that it was; no other can go on. In a later life it has to find its place first.
     pub robot: RobotMark,
+    /// The life that it was in last, when that is not the one of its mark.
+    pub life: Option<Life>,
     /// The robot was carried, about there.
     pub placed: Option<Pose>,
     /// Commands that it decided on and that its record does not have.

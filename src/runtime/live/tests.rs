@@ -279,6 +279,7 @@ fn resurrect(rig: &mut Rig, session: u32, placed: Option<Pose>) {
     rig.memory.bytes.borrow_mut().truncate(recording.sound);
     let header = recording.header.clone();
     let records = recording.records.len() as u64;
+    let life = recording.life();
     let mut replay = crate::session::Replay::new(recording);
     replay.finish();
     assert_eq!(replay.difference(), None);
@@ -286,6 +287,7 @@ fn resurrect(rig: &mut Rig, session: u32, placed: Option<Pose>) {
     let interrupted = Interrupted {
         session: before,
         robot: header.robot.expect("a robot"),
+        life,
         placed,
         unrecorded,
         records,

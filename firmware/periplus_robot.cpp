@@ -73,7 +73,7 @@ void Robot::receive(uint8_t b) {
   if (b == kStopByte) {  // whatever else is going on
     length_ = 0;
     spoilt_ = false;
-    end("stop");
+    stop();
   } else if (b == '\n') {
     if (!spoilt_ && length_ > 5) line();
     length_ = 0;
@@ -110,7 +110,7 @@ void Robot::line() {
     snprintf(body, sizeof body, "p %lu", number);
     say(body);
   } else if (sscanf(line_, "S %lu", &seq) == 1) {
-    end("stop");
+    stop();
     snprintf(body, sizeof body, "a %lu", seq);
     say(body);
   } else if (sscanf(line_, "M %lu %ld %ld %x %x %ld", &seq, &amount, &most, &rise, &fall, &limit) == 6) {
@@ -129,7 +129,7 @@ void Robot::line() {
 
 void Robot::hello(uint32_t session) {
   if (!known_ || session != session_) {
-    end("stop");
+    stop();
     known_ = true;
     session_ = session;
     newest_ = events_ = 0;
@@ -163,6 +163,7 @@ void Robot::command(Kind kind, uint32_t seq, double amount, double most, uint16_
     fall_ = fall;
     speed_ = 0;
     still_ = 0;
+    stopped_ = false;
     why_[0] = 0;
     from_ = last_ = now();
   }
@@ -177,6 +178,12 @@ void Robot::end(const char* why) {
   why_[sizeof why_ - 1] = 0;
 }
 
+// A stop brakes hard, also what is braking already for another reason.
+void Robot::stop() {
+  stopped_ = true;
+  end("stop");
+}
+
 void Robot::event(const char* rest, char letter) {
   ++events_;
   char body[kLongestLine];
@@ -186,7 +193,7 @@ void Robot::event(const char* rest, char letter) {
       kept_count_ = 0;
       ++boot_;
       known_ = false;
-      end("stop");
+      stop();
       introduce();
       return;
     }
@@ -265,7 +272,7 @@ void Robot::control() {
     speed_ = 0;
   } else if (why_[0]) {
     // A stop brakes twice as hard as the end of a motion.
-    const double brake = strcmp(why_, "stop") ? change : 2 * change;
+    const double brake = stopped_ ? 2 * change : change;
     speed_ -= clamp(speed_, -brake, brake);
   } else {
     double target = sqrt(2 * acceleration * fabs(left));

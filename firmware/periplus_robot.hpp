@@ -64,6 +64,7 @@ class Robot {
   void command(Kind kind, uint32_t seq, double amount, double most, uint16_t rise, uint16_t fall,
                double limit);
   void end(const char* why);
+  void stop();
   void event(const char* body_after_number, char letter);
   void control();
 
@@ -86,6 +87,7 @@ class Robot {
   uint16_t rise_ = 0, fall_ = 0;
   Stamp from_{}, last_{};
   int still_ = 0;
+  bool stopped_ = false;  // brakes hard, whatever the reason that is told
   char why_[8] = "";
 };
 

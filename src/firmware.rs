@@ -36,6 +36,8 @@ struct Running {
     begin: Odometer,
     speed: f64,
     ending: Option<DoneReason>,
+    /// A stop came, whatever it is that ends the motion.
+    stopped: bool,
     still: u32,
     last: Odometer,
 }
@@ -93,7 +95,8 @@ impl Firmware {
         // same places of it, whatever the waits before.
         self.steps = REPORT_STEPS - 1;
         let begin = hardware.odometer();
-        self.running = Some(Running { command, begin, speed: 0.0, ending, still: 0, last: begin });
+        let (stopped, still, last) = (false, 0, begin);
+        self.running = Some(Running { command, begin, speed: 0.0, ending, stopped, still, last });
     }
 
     /// The host is there.
@@ -101,8 +104,11 @@ impl Firmware {
         self.silent = 0.0;
     }
 
-    /// Brakes at once.
+    /// Brakes at once, and harder than whatever is braking already.
     pub fn stop(&mut self) {
+        if let Some(running) = &mut self.running {
+            running.stopped = true;
+        }
         self.end(DoneReason::Stopped);
     }
 
@@ -172,8 +178,8 @@ impl Firmware {
         let change = acceleration * STEP;
         running.speed = if hit {
             0.0
-        } else if let Some(ending) = running.ending {
-            let brake = if ending == DoneReason::Stopped { HARD * change } else { change };
+        } else if running.ending.is_some() {
+            let brake = if running.stopped { HARD * change } else { change };
             running.speed - running.speed.clamp(-brake, brake)
         } else {
             target.clamp(running.speed - change * 1.5, running.speed + change)

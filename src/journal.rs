@@ -11,7 +11,7 @@
 //! payload as JSON, and the CRC-32 of everything before the last space, in hexadecimal. Kinds:
 //! `c` command, `t` telemetry, `r` telemetry that is a periodic report (as a list: time,
 //! left ticks, right ticks, heading, closed switches, bumper), `i` intent, `e` event, `p` end of
-//! a phase with a hash of the state.
+//! a phase with a hash of the state, `l` another life of the robot.
 
 pub mod hash;
 pub mod reader;
@@ -24,7 +24,7 @@ pub use writer::Journal;
 use crate::mapping::event::Event;
 use crate::mapping::map::Phase;
 use crate::mapping::settings::Settings;
-use crate::robot::{Command, Intent, Telemetry};
+use crate::robot::{Command, Intent, Odometer, Telemetry};
 use serde::{Deserialize, Serialize};
 
 /// The version of the format that this program writes, and the newest that it reads.
@@ -68,6 +68,16 @@ pub struct RobotMark {
     pub boot: u32,
 }
 
+/// A life of the robot after the one that the header names: it was started again within the run, or before
+/// the run was taken up again, and the run has been told that it was carried.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Life {
+    /// Another number after every start of the robot.
+    pub boot: u32,
+    /// What is added to all that it counts in this life, for the run to go on counting where it was.
+    pub beyond: Odometer,
+}
+
 /// One line of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
@@ -90,6 +100,8 @@ pub enum Entry {
     Event(Event),
     /// A phase ended.
     PhaseEnd(PhaseEnd),
+    /// The robot is in another life.
+    Life(Life),
 }
 
 /// The end of a phase: a place where a replay can be held against the record.

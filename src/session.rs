@@ -9,12 +9,12 @@ pub mod snapshot;
 pub use replay::Replay;
 pub use snapshot::{Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
 
-use crate::mapping::event::{Event, EventKind, Severity};
+use crate::mapping::event::{Event, EventKind, Failure, Severity};
 use crate::mapping::map::Phase;
 use crate::mapping::mission::{Mission, Outcome, Output};
 use crate::mapping::settings::Settings;
 use crate::mapping::tape::Tape;
-use crate::robot::{Command, Intent, Telemetry};
+use crate::robot::{Command, CommandId, DoneReason, Intent, Telemetry};
 use crate::safety::{Gate, Leap, Watch};
 use std::collections::VecDeque;
 
@@ -34,6 +34,9 @@ pub enum Outgoing {
 /// Events that are kept for the screen.
 const KEPT_EVENTS: usize = 500;
 
+/// A mission decides so often at most without a motion: one that does more is at fault.
+const MOST_DECISIONS: usize = 1000;
+
 /// A run, as the operator sees it.
 #[derive(Debug, Clone)]
 pub struct Session {
@@ -42,6 +45,8 @@ pub struct Session {
     watch: Watch,
     /// What the robot said last cannot be.
     fault: Option<Leap>,
+    /// The motion whose end was told by a message that cannot be.
+    unended: Option<CommandId>,
     run: RunState,
     until: Phase,
     progress: [PhaseProgress; 4],
@@ -63,6 +68,7 @@ impl Session {
             gate: Gate::new(&settings.chassis),
             watch: Watch::new(&settings.chassis),
             fault: None,
+            unended: None,
             mission: Mission::new(settings),
             run: RunState::Paused,
             until,
@@ -86,6 +92,12 @@ impl Session {
     #[must_use]
     pub fn run_state(&self) -> RunState {
         self.run
+    }
+
+    /// Whether a stop is latched: nothing moves before the operator clears it.
+    #[must_use]
+    pub fn is_latched(&self) -> bool {
+        self.gate.is_latched()
     }
 
     /// The phase that was to end the run and has, short of a complete map; none otherwise.
@@ -133,17 +145,37 @@ impl Session {
             self.run = RunState::Stopped;
         }
         let what = format!(
-            "the robot cannot be believed: {leap}. Look at its encoders and at the line; switch it off and \
-             on, and it finds its place again"
+            "the robot cannot be believed: {leap}. Look at its encoders, its clock and the line; switch it off \
+             and on, and it finds its place again"
         );
         self.note(EventKind::Alarm { what }, out);
+    }
+
+    /// A motion whose end could not be believed has ended where the robot is next believed to stand.
+    fn ended_with_it(&mut self, believed: Telemetry) -> Telemetry {
+        match (believed, self.unended) {
+            (Telemetry::Report { odometer, switches, bumper }, Some(id)) => {
+                self.unended = None;
+                Telemetry::Done { id, reason: DoneReason::Stopped, odometer, switches, bumper }
+            }
+            (Telemetry::Done { .. }, _) => {
+                self.unended = None;
+                believed
+            }
+            _ => believed,
+        }
     }
 
     /// Takes one message of the robot and goes on if that is allowed.
     pub fn telemetry(&mut self, input: &Telemetry, out: &mut Vec<Outgoing>) {
         let input = match self.watch.admit(input) {
-            Ok(input) => input,
-            Err(leap) => return self.disbelieve(leap, out),
+            Ok(believed) => self.ended_with_it(believed),
+            Err(leap) => {
+                if let Telemetry::Done { id, .. } = input {
+                    self.unended = Some(*id);
+                }
+                return self.disbelieve(leap, out);
+            }
         };
         self.fault = None;
         let phase = self.mission.phase() as usize;
@@ -213,7 +245,7 @@ impl Session {
                 out,
             ),
             Intent::Placed { near } => self.wish(
-                |mission, told| mission.placed(near, told),
+                |mission, told| !over && mission.placed(near, told),
                 "not while the robot moves, nor after the run: stop it first",
                 out,
             ),
@@ -249,24 +281,34 @@ impl Session {
         }
     }
 
-    /// Tells the operator something that is no business of the mission: of the link, of the record.
+    /// Tells the operator something that is no business of the mission: of the link, of the record. A
+    /// record of the run does not bring it back, so it leaves the run as it is.
     pub fn remark(&mut self, what: String, out: &mut Vec<Outgoing>) {
         self.version += 1;
-        self.note(EventKind::Alarm { what }, out);
+        let time_us = self.mission.tracker().time_us();
+        self.keep(Event { time_us, kind: EventKind::Alarm { what } }, out);
+    }
+
+    /// The program itself is at fault, as `why` says: the robot is stopped, and the run is over.
+    fn astray(&mut self, why: String, out: &mut Vec<Outgoing>) {
+        out.push(Outgoing::Stop);
+        self.gate.latch();
+        self.run = RunState::Failed(Failure::Internal);
+        self.note(EventKind::Alarm { what: why }, out);
+        self.note(EventKind::Failed { why: Failure::Internal }, out);
     }
 
     /// Lets the mission decide as long as it is ready and allowed to.
     fn go_on(&mut self, out: &mut Vec<Outgoing>) {
-        // Bounded: a mission that decides without ever moving is at fault, and stops here.
-        for _ in 0..1000 {
+        for _ in 0..MOST_DECISIONS {
             let may = matches!(self.run, RunState::Running | RunState::Stepping(_));
             if may && self.mission.waits_for_place() {
                 // Nothing can be done before the operator says where the robot is.
                 self.run = RunState::Paused;
-                break;
+                return;
             }
-            if !may || !self.heard || !self.mission.is_ready() {
-                break;
+            if !may || !self.heard || self.fault.is_some() || !self.mission.is_ready() {
+                return;
             }
             let mut outputs = Vec::new();
             self.mission.proceed(&mut outputs);
@@ -277,9 +319,13 @@ impl Session {
             }
             self.judge(out);
         }
+        self.astray("nothing moves although it is decided on and on".to_owned(), out);
     }
 
     fn judge(&mut self, out: &mut Vec<Outgoing>) {
+        if matches!(self.run, RunState::Failed(_)) {
+            return;
+        }
         match self.mission.outcome() {
             Outcome::Going => {}
             Outcome::Complete => self.run = RunState::Complete,
@@ -300,12 +346,7 @@ impl Session {
                         self.command = Some((command, why));
                         out.push(Outgoing::Command(command));
                     }
-                    Err(refusal) => {
-                        self.run = RunState::Stopped;
-                        self.gate.latch();
-                        let why = format!("command refused: {refusal}");
-                        self.note(EventKind::Reason { why }, out);
-                    }
+                    Err(refusal) => self.astray(format!("command refused: {refusal}"), out),
                 },
                 Output::Event(event) => self.happened(event, out),
             }
@@ -335,6 +376,11 @@ impl Session {
         if stands_out && self.run == RunState::Stepping(Step::Event) {
             self.run = RunState::Paused;
         }
+        self.keep(event, out);
+    }
+
+    /// To the screen and to the record.
+    fn keep(&mut self, event: Event, out: &mut Vec<Outgoing>) {
         if self.events.len() == KEPT_EVENTS {
             self.events.pop_front();
         }
@@ -383,3 +429,6 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,27 +2,38 @@
 //! shares no line with the robot in `src/firmware`: what both understand is what the page says.
 #![cfg(unix)]
 #![expect(clippy::print_stderr, reason = "a test that was skipped says so")]
+#![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// The built bench; none where there is no compiler.
-fn bench(into: &Path) -> Option<PathBuf> {
-    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware");
-    let program = into.join("bench");
+/// A folder of the test's own, empty.
+fn folder(name: &str) -> PathBuf {
+    let place = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&place);
+    std::fs::create_dir_all(&place).expect("a folder");
+    place
+}
+
+/// The program `main`, a file below the crate, built with the reference firmware; none where there is no
+/// compiler.
+fn built(main: &str, into: &Path) -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let program = into.join("program");
     let built = Command::new("c++")
         .args(["-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", "-o"])
         .arg(&program)
-        .args([sources.join("bench.cpp"), sources.join("periplus_robot.cpp")])
+        .arg("-I")
+        .arg(root.join("firmware"))
+        .args([root.join(main), root.join("firmware/periplus_robot.cpp")])
         .status();
-    match built {
-        Ok(status) => {
-            assert!(status.success(), "the reference firmware does not build");
-            Some(program)
-        }
-        Err(_) => None,
-    }
+    let Ok(status) = built else {
+        eprintln!("skipped: there is no C++ compiler (c++) here");
+        return None;
+    };
+    assert!(status.success(), "the reference firmware does not build");
+    Some(program)
 }
 
 /// A child that does not outlive its test.
@@ -37,13 +48,8 @@ impl Drop for Kept {
 
 #[test]
 fn the_reference_firmware_maps_a_room() {
-    let place = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("firmware");
-    let _ = std::fs::remove_dir_all(&place);
-    std::fs::create_dir_all(&place).expect("a folder");
-    let Some(program) = bench(&place) else {
-        eprintln!("skipped: there is no C++ compiler (c++) here");
-        return;
-    };
+    let place = folder("firmware");
+    let Some(program) = built("firmware/bench.cpp", &place) else { return };
     let mut robot = Kept(
         Command::new(program).arg("25").stdout(Stdio::piped()).spawn().expect("the bench starts"),
     );
@@ -65,4 +71,16 @@ fn the_reference_firmware_maps_a_room() {
     assert!((area - 7.2).abs() < 0.05, "{area} m² of 7.2");
     assert_eq!(report["shape"]["class"], "convex");
     assert_eq!(report["shape"]["vertices"], 4);
+}
+
+/// How many steps it takes to stand, after a motion began to brake by itself: on its own, and with a stop.
+#[test]
+fn a_stop_brakes_hard_what_is_braking_already() {
+    let place = folder("firmware_stop");
+    let Some(program) = built("tests/firmware/stop.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    let said = String::from_utf8(said).expect("text");
+    let steps: Vec<i32> = said.split_whitespace().map(|n| n.parse().expect("steps")).collect();
+    assert_eq!(steps.len(), 2, "{said}");
+    assert!(steps[0] >= 8 && steps[1] <= steps[0] / 2 + 1, "{steps:?} without and with a stop");
 }

@@ -82,6 +82,7 @@ fn take_up(
     glue::warn_torn(&recording);
     let (header, sound) = (recording.header.clone(), recording.sound as u64);
     let records = recording.records.len() as u64;
+    let life = recording.life();
     let robot = header.robot.clone().ok_or_else(|| {
         refused("it was made in the simulator; the same seed makes it again".to_owned())
     })?;
@@ -111,7 +112,7 @@ fn take_up(
         Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
     let (folder, journal) = OutputFolder::reopen(dir, sound)?;
     let placed = common.keeping.placed;
-    let interrupted = Interrupted { session, robot, placed, unrecorded, records };
+    let interrupted = Interrupted { session, robot, life, placed, unrecorded, records };
     let line = Line::open(address.clone(), plan, journal, Some(interrupted));
     Ok((line.map_err(|error| CommandError::Input(error.to_string()))?, folder))
 }

@@ -226,6 +226,26 @@ fn stop_brakes_at_once_and_wins_over_the_rest() {
     assert!(seconds <= 0.1 + 2.0 * STEP, "braked for {seconds} s");
 }
 
+/// The first reason is the one that is told, and a stop brakes hard all the same.
+#[test]
+fn a_stop_brakes_hard_what_is_braking_already() {
+    let mut steps = Vec::new();
+    for stopped in [false, true] {
+        let mut robot = Robot::at(1.0, 2.0, 0.0);
+        robot.send(ahead(4.0), FREE, 1.0);
+        while robot.firmware.running.is_none_or(|running| running.ending.is_none()) {
+            robot.step(true);
+        }
+        if stopped {
+            robot.firmware.stop();
+        }
+        let (reason, seconds) = robot.until_done(true);
+        assert_eq!(reason, DoneReason::TimeLimit);
+        steps.push((seconds / STEP).round());
+    }
+    assert!(steps[1] <= steps[0] / 2.0 + 1.0, "{steps:?} steps without and with a stop");
+}
+
 #[test]
 fn a_command_that_comes_twice_is_one_command() {
     let mut robot = Robot::at(1.0, 2.0, 0.0);

@@ -1,7 +1,7 @@
 //! Reading a record back. A torn tail, as a crash leaves it, is cut off and reported; damage
 //! anywhere else is an error, because a replay over a hole would tell a story that never was.
 
-use super::{Entry, Header, MAGIC, Record, VERSION, is_unbegun};
+use super::{Entry, Header, Life, MAGIC, Record, VERSION, is_unbegun};
 use crate::mapping::settings;
 use crate::mapping::tape::Tape;
 use crate::robot::{Intent, Odometer, SwitchSet, Telemetry};
@@ -21,6 +21,17 @@ pub struct Recording {
     pub torn: Option<Torn>,
     /// Bytes of the record that hold, from its beginning.
     pub sound: usize,
+}
+
+impl Recording {
+    /// The life that the robot was in at the end, when that is not the one of the header.
+    #[must_use]
+    pub fn life(&self) -> Option<Life> {
+        self.records.iter().rev().find_map(|record| match record.entry {
+            Entry::Life(life) => Some(life),
+            _ => None,
+        })
+    }
 }
 
 /// The end of a record that was not written whole.
@@ -196,6 +207,7 @@ fn entry(kind: &str, payload: &str) -> Result<Entry, String> {
         "i" => return wish(payload).map(Entry::Intent),
         "e" => serde_json::from_str(payload).map(Entry::Event),
         "p" => serde_json::from_str(payload).map(Entry::PhaseEnd),
+        "l" => serde_json::from_str(payload).map(Entry::Life),
         other => return Err(format!("unknown kind `{other}`")),
     };
     parsed.map_err(|error| error.to_string())

@@ -43,6 +43,7 @@ fn records() -> Vec<Record> {
         Entry::Telemetry(done),
         Entry::Event(event),
         Entry::PhaseEnd(PhaseEnd { phase: Phase::Boundary, state: u64::MAX - 5 }),
+        Entry::Life(Life { boot: u32::MAX, beyond: odometer }),
     ];
     let at = |(k, entry)| Record { time_us: k as u64 * 1000, entry };
     entries.into_iter().enumerate().map(at).collect()

@@ -1,7 +1,7 @@
 //! Writing a record while the run goes on. It never stops the run: the first write that fails is
 //! remembered, and the rest of the record is left out.
 
-use super::{Entry, Header, MAGIC, PhaseEnd, Record, VERSION};
+use super::{Entry, Header, Life, MAGIC, PhaseEnd, Record, VERSION};
 use crate::mapping::event::Event;
 use crate::robot::{Command, Intent, Odometer, Telemetry};
 use serde::Serialize;
@@ -78,6 +78,11 @@ impl<W: Write> Journal<W> {
         self.flush();
     }
 
+    /// Records that the robot is in another life.
+    pub fn life(&mut self, time_us: u64, life: &Life) {
+        self.line(time_us, b'l', life);
+    }
+
     /// Records anything.
     pub fn record(&mut self, record: &Record) {
         let at = record.time_us;
@@ -87,6 +92,7 @@ impl<W: Write> Journal<W> {
             Entry::Intent(intent) => self.intent(at, intent),
             Entry::Event(event) => self.event(at, event),
             Entry::PhaseEnd(end) => self.phase_end(at, end),
+            Entry::Life(life) => self.life(at, life),
         }
     }
 

@@ -408,6 +408,10 @@ pub enum Failure {
     TooManyBumps,
     /// The two wheels and the gyro contradict each other.
     WheelsLie,
+    /// Many motions in a row led nowhere, by wheels and gyro.
+    Unmoved,
+    /// The program gave a command that no robot may be given, or none at all.
+    Internal,
     /// The operator ended the run.
     Ended,
 }

@@ -54,8 +54,9 @@ impl Side {
     }
 }
 
-/// No move is longer, metres. How far the wheels carry the robot differs from one move to the next;
-/// over many short ones that averages out. A stop costs as much time as 4 cm of way.
+/// No move through the open is longer, metres; along a wall that goes on as it did, the longest is
+/// [`LONGEST_STRIDE`]. How far the wheels carry the robot differs from one move to the next; over many short
+/// ones that averages out. A stop costs as much time as 4 cm of way.
 pub const STRIDE: f64 = 0.25;
 
 /// How far from a wall the robot's centre is kept while it follows it, metres: inside the band that the

@@ -8,6 +8,7 @@
 mod again;
 mod apart;
 mod hearing;
+mod idle;
 mod phases;
 mod place;
 mod whole;
@@ -27,6 +28,7 @@ use super::tour::Tour;
 use super::trust::Trust;
 use super::wall::{Stroke, Turning, Wall};
 use crate::robot::{Command, CommandId, DoneReason, Guard, Motion, SwitchSet};
+use idle::Idle;
 
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +101,7 @@ pub struct Mission {
     bumps: u32,
     next_id: u32,
     awaited: Option<Awaited>,
+    idle: Idle,
     began: bool,
     laps: u32,
     lost: Option<Lost>,
@@ -135,6 +138,7 @@ impl Mission {
             bumps: 0,
             next_id: 0,
             awaited: None,
+            idle: Idle::default(),
             began: false,
             laps: 0,
             lost: None,
@@ -326,6 +330,7 @@ impl Mission {
             Motion::Move { .. } | Motion::Rest => Turning::No,
         };
         self.awaited = Some(Awaited { id: command.id, turning });
+        self.idle.asked(motion, self.tracker.reading());
         out.push(Output::Command(command, ask.why));
     }
 
@@ -347,6 +352,9 @@ impl Mission {
         if !self.began {
             self.began = true;
             self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
+        }
+        if self.idle.is_too_much() {
+            return self.fail(Failure::Unmoved, out);
         }
         if std::mem::take(&mut self.afresh) {
             self.begin_afresh();

@@ -97,3 +97,14 @@ pub enum Telemetry {
         bumper: bool,
     },
 }
+
+impl Telemetry {
+    /// What wheels, gyro and clock counted then.
+    #[must_use]
+    pub fn odometer(&self) -> &Odometer {
+        match self {
+            Self::Report { odometer, .. } | Self::Done { odometer, .. } => odometer,
+            Self::Edge(edge) => &edge.odometer,
+        }
+    }
+}

@@ -8,14 +8,14 @@ mod telling;
 use super::{Ending, keep};
 use crate::export::Outcome;
 use crate::geometry::Pose;
-use crate::journal::{Header, Journal, RobotMark};
+use crate::journal::{Header, Journal, Life, RobotMark};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
 use crate::session::{Outgoing, Session};
 use crate::wire::host::Identity;
 use crate::wire::{Health, Heard, Host};
-use restart::{Restart, counted};
+use restart::Restart;
 use std::io::Write;
 
 /// What a run with a real robot is started with; the robot itself adds its body.
@@ -37,6 +37,8 @@ pub struct Interrupted {
     pub session: Session,
     /// The robot that it was; no other can go on. In a later life it has to find its place first.
     pub robot: RobotMark,
+    /// The life that it was in last, when that is not the one of its mark.
+    pub life: Option<Life>,
     /// The robot was carried, about there.
     pub placed: Option<Pose>,
     /// Commands that it decided on and that its record does not have.
@@ -221,6 +223,7 @@ impl<W: Write> LiveRun<W> {
                 }
                 Heard::Rebooted => self.rebooted(now),
                 Heard::Telemetry(telemetry) => self.told(&telemetry, now),
+                Heard::Early { seconds, ended } => self.early(seconds, ended, now),
                 Heard::Health(health) => self.health(health, now),
                 Heard::Refused(id, why) => {
                     self.remark(format!("the robot refused a command: {why}"), now);
@@ -277,6 +280,26 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// The robot's clock went on without ours: as long as it is wrong, nothing of what it says counts, and the
+    /// stop comes back whenever it is cleared. A motion that ended then has ended.
+    fn early(&mut self, seconds: f64, ended: Option<CommandId>, now: f64) {
+        let why = format!(
+            "the robot cannot be believed: its clock went on by {seconds:.0} s more than time did here. If \
+             this computer slept, leave and go on with --resume; else look at its clock, switch it off and on, \
+             and it finds its place again"
+        );
+        if self.session.as_ref().is_some_and(|session| !session.is_latched()) {
+            self.stop(now);
+            self.remark(why.clone(), now);
+        }
+        if let Some(id) = ended {
+            self.not_begun(id, now);
+        }
+        if self.plan.at_once {
+            self.end(Outcome::Failed, why);
+        }
+    }
+
     /// A command that never began has ended where the robot stood when it was last heard.
     fn not_begun(&mut self, id: CommandId, now: f64) {
         let (odometer, switches, bumper) = self.last;
@@ -287,7 +310,7 @@ impl<W: Write> LiveRun<W> {
     /// Takes what the robot says, as the run counts it.
     fn told(&mut self, telemetry: &Telemetry, now: f64) {
         if let Some(last) = self.restarted.take() {
-            self.restart = Some(Restart::between(&last, &counted(telemetry)));
+            self.restart = Some(Restart::between(&last, telemetry.odometer()));
         }
         let told = self.restart.map_or(*telemetry, |restart| restart.of(telemetry));
         self.telemetry(&told, now);

@@ -13,6 +13,9 @@ const RADIANS: f64 = 20.0;
 const LONGEST: f64 = 60.0;
 /// A robot that is silent for longer than a year was another one, seconds.
 const YEAR: f64 = 3.2e7;
+/// Messages are stamped where something happens and not where it is told: so much may one be older than
+/// the one before it, seconds.
+const BACK: f64 = 1.0;
 /// Beyond this, numbers are no longer counted one by one: 2^53.
 const COUNTABLE: f64 = 9_007_199_254_740_992.0;
 
@@ -44,18 +47,40 @@ pub enum Leap {
         /// Seconds of robot time.
         seconds: f64,
     },
+    /// The robot's clock went back.
+    #[error(
+        "the robot's clock went back by {seconds:.0} s; it must be 64 bits wide, and never begin anew"
+    )]
+    Back {
+        /// Seconds of robot time.
+        seconds: f64,
+    },
     /// A number that is none.
     #[error("the robot counted so far that single ticks are lost")]
     Uncountable,
 }
 
-/// Holds every message against the one before it.
+impl Leap {
+    /// Seconds of robot time in which a robot that cannot be believed may have driven.
+    fn seconds(&self) -> f64 {
+        match self {
+            Self::Wheel { seconds, .. } | Self::Gyro { seconds, .. } => *seconds,
+            Self::Clock { .. } | Self::Back { .. } | Self::Uncountable => 0.0,
+        }
+    }
+}
+
+/// Holds every message against the last one that was believed.
 #[derive(Debug, Clone)]
 pub struct Watch {
     tick: f64,
     wheel: f64,
     turn: f64,
+    /// What the last message that was believed counted.
     last: Option<Odometer>,
+    /// Seconds of robot time from then to the first one that was not; none while all are believed. A robot
+    /// that is not believed is stopped: no patience makes a way of what it counted.
+    doubted: Option<f64>,
     /// After so many values the encoders' counters begin anew, once they have been seen to.
     round: Option<i64>,
 }
@@ -69,17 +94,27 @@ impl Watch {
             wheel: GENEROUS * (chassis.speed + chassis.turn_rate * chassis.wheel_base / 2.0),
             turn: GENEROUS * chassis.turn_rate,
             last: None,
+            doubted: None,
             round: None,
         }
     }
 
     /// Takes a message into account, if the robot can have got there from the last one that was; gives it
-    /// back with the wheels counted on where their counters came round.
+    /// back with the wheels counted on where their counters came round. After one that was not, the robot
+    /// must count on from where it was believed to be, however long that takes.
     ///
     /// # Errors
     /// What it cannot have done.
     pub fn admit(&mut self, told: &Telemetry) -> Result<Telemetry, Leap> {
-        let mut told = *told;
+        let believed = self.counted(*told);
+        self.doubted = match &believed {
+            Ok(_) => None,
+            Err(leap) => self.doubted.or(Some(leap.seconds())),
+        };
+        believed
+    }
+
+    fn counted(&mut self, mut told: Telemetry) -> Result<Telemetry, Leap> {
         let odometer = match &mut told {
             Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. } => odometer,
             Telemetry::Edge(edge) => &mut edge.odometer,
@@ -121,10 +156,15 @@ impl Watch {
 
     fn judge(&self, to: &Odometer) -> Result<(), Leap> {
         let Some(last) = &self.last else { return Ok(()) };
+        let back = last.time_us.saturating_sub(to.time_us) as f64 * 1e-6;
+        if back > BACK {
+            return Err(Leap::Back { seconds: back });
+        }
         let seconds = to.time_us.saturating_sub(last.time_us) as f64 * 1e-6;
         if seconds > YEAR {
             return Err(Leap::Clock { seconds });
         }
+        let seconds = self.doubted.unwrap_or(seconds);
         let metres = self.farthest(to) as f64 * self.tick;
         let radians = (to.heading - last.heading).abs();
         if metres > METRES + self.wheel * seconds.min(LONGEST) {
@@ -197,6 +237,20 @@ mod tests {
         let told = watch.admit(&report(3_600_000_000, 1_000_000, 1_000_000, 0.0));
         assert!(matches!(told, Err(Leap::Wheel { .. })), "{told:?}");
         assert_eq!(watch.admit(&report(200_000, 40, 40, 0.0)), Ok(report(200_000, 40, 40, 0.0)));
+    }
+
+    #[test]
+    fn a_clock_that_goes_back_is_a_fault_until_it_has_made_up_for_it() {
+        let mut watch = Watch::new(&Chassis::default());
+        let round = 1 << 32;
+        assert!(watch.admit(&report(round - 100_000, 0, 0, 0.0)).is_ok());
+        for time in [0, 100_000, 3_600_000_000] {
+            let told = watch.admit(&report(time, 0, 0, 0.0));
+            assert!(matches!(told, Err(Leap::Back { .. })), "{time}: {told:?}");
+        }
+        // An edge that is told after a report that was made a little later.
+        assert!(watch.admit(&report(round - 120_000, 0, 0, 0.0)).is_ok());
+        assert!(watch.admit(&report(round, 0, 0, 0.0)).is_ok());
     }
 
     /// Full speed ahead with counters of 16 and of 32 bits, with a sign and without one.

@@ -151,7 +151,7 @@ impl Replay {
                 Landmark::PhaseEnd
             }
             Entry::Event(event) if event.kind.severity() >= Severity::Notice => Landmark::Event,
-            Entry::Event(_) => Landmark::Nothing,
+            Entry::Event(_) | Entry::Life(_) => Landmark::Nothing,
         }
     }
 

@@ -2,6 +2,7 @@
 //! until they are acknowledged, events in order and each once. It is told the time and given bytes;
 //! it says what to write and what was heard. No I/O, no clock.
 
+mod clock;
 mod pending;
 mod timing;
 mod told;
@@ -12,8 +13,9 @@ pub use told::{Health, Heard, Identity, Loss, Sample};
 use super::frame::{Decoder, Item, STOP, seal};
 use super::message::{FromRobot, ToRobot, VERSION};
 use crate::robot::{Command, CommandId, SWITCHES, Telemetry, Unfit};
+use clock::Clock;
 use pending::Pending;
-use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, OVERDUE};
+use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, OVERDUE, OVERTAKEN_US};
 use told::Introduction;
 
 /// The host's end.
@@ -44,7 +46,9 @@ pub struct Host {
     /// When the last stop was acknowledged.
     quiet: f64,
     event: u32,
+    /// Robot time of the last report, microseconds.
     time_us: u64,
+    clock: Clock,
     garbled: u64,
     /// What was heard first since the port was opened, and whether any of it was in this protocol.
     sample: Sample,
@@ -82,6 +86,7 @@ impl Host {
             quiet: now,
             event: 0,
             time_us: 0,
+            clock: Clock::new(0),
             garbled: 0,
             sample: Sample::default(),
             understood: false,
@@ -228,7 +233,7 @@ impl Host {
 
     fn message(&mut self, message: FromRobot, now: f64, told: &mut Vec<Heard>) {
         match message {
-            FromRobot::Hello { version, boot, session, switches, name, .. } => {
+            FromRobot::Hello { version, boot, session, watchdog, switches, name } => {
                 if version != VERSION {
                     return self.lose(Loss::Version, told);
                 }
@@ -245,6 +250,7 @@ impl Host {
                     self.introduction = Introduction::default();
                 }
                 self.introduction.hello = Some((boot, switches, name));
+                self.introduction.watchdog = watchdog;
                 self.introduced(now, told);
             }
             FromRobot::Body(chassis) => {
@@ -288,24 +294,58 @@ impl Host {
                 if event < self.event {
                     self.hello_due = self.hello_due.min(now);
                 }
-                if event == self.event && odometer.time_us >= self.time_us && self.is_open() {
-                    self.time_us = odometer.time_us;
-                    told.push(Heard::Telemetry(Telemetry::Report { odometer, switches, bumper }));
+                if event == self.event && self.is_open() {
+                    let report = Telemetry::Report { odometer, switches, bumper };
+                    self.reported(report, now, told);
                 }
             }
             FromRobot::Event { event, telemetry } => {
                 if event == self.event.wrapping_add(1) && self.is_open() {
                     self.event = event;
-                    if let Telemetry::Done { id, .. } = telemetry {
-                        self.motion.take_if(|(motion, _)| *motion == id);
-                        // It ended, so it was taken, whatever became of the acknowledgement.
-                        self.command.take_if(|pending| pending.seq == id.0);
-                        self.doubt.take_if(|doubted| *doubted == id);
-                    }
-                    told.push(Heard::Telemetry(telemetry));
+                    self.happened(telemetry, now, told);
                 }
             }
         }
+    }
+
+    /// Takes a report that is in step with the events.
+    fn reported(&mut self, report: Telemetry, now: f64, told: &mut Vec<Heard>) {
+        let time_us = report.odometer().time_us;
+        // One that another has overtaken is of no use. A clock that went back is none of that.
+        let overtaken = (1..OVERTAKEN_US).contains(&self.time_us.saturating_sub(time_us));
+        if !overtaken && self.is_in_time(time_us, None, now, told) {
+            self.time_us = time_us;
+            told.push(Heard::Telemetry(report));
+        }
+    }
+
+    /// Takes the next event.
+    fn happened(&mut self, event: Telemetry, now: f64, told: &mut Vec<Heard>) {
+        let mut ended = None;
+        if let Telemetry::Done { id, .. } = event {
+            ended = Some(id);
+            self.motion.take_if(|(motion, _)| *motion == id);
+            // It ended, so it was taken, whatever became of the acknowledgement.
+            self.command.take_if(|pending| pending.seq == id.0);
+            self.doubt.take_if(|doubted| *doubted == id);
+        }
+        if self.is_in_time(event.odometer().time_us, ended, now, told) {
+            told.push(Heard::Telemetry(event));
+        }
+    }
+
+    /// Whether what was made at `time_us`, and `ended` a motion if it did, can have been made by now; tells
+    /// it when not.
+    fn is_in_time(
+        &mut self,
+        time_us: u64,
+        ended: Option<CommandId>,
+        now: f64,
+        told: &mut Vec<Heard>,
+    ) -> bool {
+        let made = self.clock.admit(time_us, now);
+        told.extend(made.err().map(|seconds| Heard::Early { seconds, ended }));
+        made.is_ok()
     }
 
     /// It says that it is what no robot can be. One that is known already is believed more than that.
@@ -335,6 +375,7 @@ impl Host {
             told.push(Heard::Rebooted);
         }
         self.identity = Some(identity.clone());
+        self.clock = Clock::new(self.introduction.watchdog);
         self.clean = now;
         self.ping_due = now;
         told.push(Heard::Hello(Box::new(identity)));

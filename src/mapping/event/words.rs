@@ -21,6 +21,14 @@ impl fmt::Display for Failure {
                 "by its wheels the robot goes in curves where by its gyro it goes straight: see to \
                  the encoders, and to the wheel base of the chassis"
             }
+            Self::Unmoved => {
+                "one motion after the other ends and the robot is where it was: see whether a wheel is \
+                 blocked, whether motors, encoders and gyro work, and whether it can turn by half a degree"
+            }
+            Self::Internal => {
+                "a mistake in the program: it gave a command that cannot be, or none at all; what is mapped \
+                 is kept, and the log says more"
+            }
             Self::Ended => "ended by the operator",
         })
     }

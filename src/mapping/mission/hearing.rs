@@ -53,6 +53,7 @@ impl Mission {
                 self.bumper = *bumper;
                 if self.awaited.is_some_and(|awaited| awaited.id == *id) {
                     self.awaited = None;
+                    self.idle.ended(*reason, self.tracker.reading());
                     let reason = match *reason {
                         DoneReason::Guard { sensor, .. } if !self.has_switch(sensor) => {
                             DoneReason::Stopped

@@ -1,6 +1,7 @@
 //! A robot that was started again, and a run that is taken up again: what both have to find out before the
 //! robot moves.
 
+use super::restart::Restart;
 use super::{Interrupted, LiveRun};
 use crate::export::Outcome;
 use crate::journal::Journal;
@@ -30,7 +31,7 @@ impl<W: Write> LiveRun<W> {
     /// Goes on with a run, if this is its robot; in another life of it, or carried, it has to find its
     /// place first.
     pub(super) fn take_up(&mut self, interrupted: Interrupted, identity: &Identity, now: f64) {
-        let Interrupted { session, robot, unrecorded, records, placed } = interrupted;
+        let Interrupted { session, robot, life, unrecorded, records, placed } = interrupted;
         let was = &session.mission().settings().chassis;
         let reason = if robot.name != identity.name {
             format!("the run was made with {}, and this is {}", robot.name, identity.name)
@@ -44,9 +45,11 @@ impl<W: Write> LiveRun<W> {
                     journal.command(time_us, command);
                 }
             }
-            let again = robot.boot != identity.boot;
+            let again = life.map_or(robot.boot, |life| life.boot) != identity.boot;
             if again {
                 self.restarted = session.mission().tracker().last();
+            } else {
+                self.restart = life.as_ref().map(Restart::recorded);
             }
             self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
             self.session = Some(session);
@@ -65,10 +68,21 @@ impl<W: Write> LiveRun<W> {
         }
         if let Some(carried) = self.carried.take() {
             self.intent(carried, now);
+            self.record_life();
         }
         if self.plan.at_once {
             self.intent(Intent::ClearStop, now);
             self.intent(Intent::Run, now);
+        }
+    }
+
+    /// From here on the run is that of the robot in this life: it has been told that it was carried.
+    fn record_life(&mut self) {
+        if let (Some(journal), Some(session)) = (&mut self.journal, &self.session)
+            && let (Some(restart), Some(identity)) = (&self.restart, self.host.identity())
+        {
+            let time_us = session.mission().tracker().time_us();
+            journal.life(time_us, &restart.life(identity.boot));
         }
     }
 }

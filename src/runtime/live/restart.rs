@@ -1,6 +1,7 @@
 //! A robot that was started again counts its time and its wheels from nothing. The run goes on counting
 //! where it was: nothing moved in between, as far as the run knows.
 
+use crate::journal::Life;
 use crate::robot::{Odometer, Telemetry};
 
 /// What is added to all that the robot counts.
@@ -16,6 +17,16 @@ impl Restart {
             right_ticks: last.right_ticks.saturating_sub(first.right_ticks),
             heading: last.heading - first.heading,
         })
+    }
+
+    /// As it was recorded.
+    pub(super) fn recorded(life: &Life) -> Self {
+        Self(life.beyond)
+    }
+
+    /// To be recorded, of the life `boot`.
+    pub(super) fn life(&self, boot: u32) -> Life {
+        Life { boot, beyond: self.0 }
     }
 
     fn odometer(&self, told: Odometer) -> Odometer {
@@ -38,13 +49,5 @@ impl Restart {
             Telemetry::Edge(edge) => edge.odometer = self.odometer(edge.odometer),
         }
         told
-    }
-}
-
-/// What a message counts.
-pub(super) fn counted(told: &Telemetry) -> Odometer {
-    match told {
-        Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. } => *odometer,
-        Telemetry::Edge(edge) => edge.odometer,
     }
 }

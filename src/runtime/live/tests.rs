@@ -52,6 +52,8 @@ struct Rig {
     host_dead: bool,
     /// What the robot says its wheels did, as shares of what they did.
     lie: [f64; 2],
+    /// What its clock says at a time, both in microseconds.
+    clock: fn(u64) -> u64,
     broken: Option<Broken>,
     chattered: bool,
     /// What the robot hears, read beside it: where it was when it last had a good line.
@@ -89,6 +91,7 @@ fn rig_in(
         now: 0.0,
         host_dead: false,
         lie: [1.0, 1.0],
+        clock: |us| us,
         broken: None,
         chattered: false,
         ear: crate::wire::Decoder::default(),
@@ -118,6 +121,7 @@ impl Rig {
         let mut liar = Liar {
             body: &mut self.body,
             lie: self.lie,
+            clock: self.clock,
             broken: self.broken,
             chattered: &mut self.chattered,
         };
@@ -275,6 +279,7 @@ fn resurrect(rig: &mut Rig, session: u32, placed: Option<Pose>) {
     rig.memory.bytes.borrow_mut().truncate(recording.sound);
     let header = recording.header.clone();
     let records = recording.records.len() as u64;
+    let life = recording.life();
     let mut replay = crate::session::Replay::new(recording);
     replay.finish();
     assert_eq!(replay.difference(), None);
@@ -282,6 +287,7 @@ fn resurrect(rig: &mut Rig, session: u32, placed: Option<Pose>) {
     let interrupted = Interrupted {
         session: before,
         robot: header.robot.expect("a robot"),
+        life,
         placed,
         unrecorded,
         records,

@@ -6,7 +6,7 @@ pub(super) const PING: f64 = 0.1;
 pub(super) const HELLO: f64 = 0.25;
 /// A board that restarts when its port is opened answers within this, seconds.
 pub(super) const BOOT: f64 = 3.5;
-/// With a motion in hand, proximity data older than this stop it, seconds.
+/// With a motion in hand, a line that was silent for this long stops it, seconds.
 pub(super) const BLIND: f64 = 0.3;
 /// A line that was silent for this long is stale, seconds.
 pub(super) const STALE: f64 = 0.5;
@@ -26,3 +26,5 @@ pub(super) const UNDOUBTED: f64 = 1.0;
 pub(super) const EXCHANGE: f64 = 60.0;
 /// Stops are numbered from here: commands never get so far.
 pub(super) const FIRST_STOP: u32 = 1 << 31;
+/// A report may come after one that was made so much later, microseconds of robot time.
+pub(super) const OVERTAKEN_US: u64 = 1_000_000;

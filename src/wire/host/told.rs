@@ -109,6 +109,13 @@ pub enum Heard {
     Rebooted,
     /// Telemetry, in order and each once.
     Telemetry(Telemetry),
+    /// A message that was made later than it came: the robot's clock cannot be right.
+    Early {
+        /// Seconds of robot time by which it went on too far.
+        seconds: f64,
+        /// The motion that it was the end of.
+        ended: Option<CommandId>,
+    },
     /// The link is better or worse than before.
     Health(Health),
     /// A command was refused, in the robot's words.
@@ -121,6 +128,8 @@ pub enum Heard {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Introduction {
     pub(super) hello: Option<(u32, usize, String)>,
+    /// How long the robot waits for its host, milliseconds.
+    pub(super) watchdog: u32,
     pub(super) body: Option<Chassis>,
     pub(super) switches: Vec<Option<SensorMount>>,
 }

@@ -87,6 +87,56 @@ fn an_encoder_that_leaps_stops_the_robot_at_once() {
     }
 }
 
+/// A clock that comes round after 32 bits, one whose upper half is one too much from some time on, and one
+/// for which that is so in a single moment: the robot stands, somebody is told, and no second of it counts.
+#[test]
+fn a_clock_that_leaps_stops_the_robot_at_once() {
+    const ROUND: u64 = 1 << 32;
+    type Clock = fn(u64) -> u64;
+    let clocks: [(Clock, bool); 3] = [
+        (|us| (us + ROUND - 20_000_000) % ROUND, false),
+        (|us| if us < 20_000_000 { us } else { us + ROUND }, false),
+        (|us| if us / 130_000 == 153 { us + ROUND } else { us }, true),
+    ];
+    for (which, (clock, passes)) in clocks.into_iter().enumerate() {
+        for at_once in [true, false] {
+            let case = format!("clock {which}, at once: {at_once}");
+            let mut rig = rig(Faults::default(), 1, at_once);
+            rig.clock = clock;
+            rig.until(2.0, |_| false);
+            rig.run.intent(Intent::Run, rig.now);
+            rig.until(17.0, |_| false);
+            let tracker =
+                |rig: &Rig| rig.run.session().expect("a session").mission().tracker().clone();
+            let before = tracker(&rig).time_us();
+            rig.until(3.0, |_| false);
+            assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "{case}: it still moves");
+            let passed = tracker(&rig).time_us().abs_diff(before);
+            assert!(passed < 4_000_000, "{case}: {passed} µs are believed");
+            let told = rig.run.snapshot(rig.now).events.iter().any(|event| {
+                let words = event.kind.to_string();
+                words.contains("cannot be believed") && words.contains("clock")
+            });
+            assert!(told, "{case}: nobody was told");
+            let ending = rig.run.ending().map(|ending| ending.reason);
+            assert_eq!(ending.is_some_and(|why| why.contains("clock")), at_once, "{case}");
+            if at_once {
+                continue;
+            }
+            // Cleared and set going it is stopped again, until its clock is right.
+            rig.run.intent(Intent::ClearStop, rig.now);
+            rig.run.intent(Intent::Run, rig.now);
+            rig.until(2.0, |_| false);
+            let state = rig.run.session().expect("a session").run_state();
+            assert_eq!(state == RunState::Running, passes, "{case}: {state:?}");
+            if passes {
+                assert!(rig.until(900.0, |rig| rig.run.ending().is_some()), "{case}");
+                assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Complete);
+            }
+        }
+    }
+}
+
 #[test]
 fn encoders_that_stand_still_end_the_run() {
     let mut rig = rig(Faults::default(), 1, true);

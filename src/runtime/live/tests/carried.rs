@@ -68,6 +68,39 @@ fn a_robot_carried_elsewhere_finds_its_place_and_ends_its_tour() {
     }
 }
 
+/// A robot that was started again within the run is the same one, still switched on, when the run is taken up
+/// after that: it knows its place, and goes on counting where the run was.
+#[test]
+fn a_robot_started_again_within_the_run_is_known_when_it_is_taken_up() {
+    let world = l_room();
+    let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (false, None));
+    assert!(rig.until(5.0, |rig| rig.run.session().is_some()));
+    rig.run.intent(Intent::Run, rig.now);
+    assert!(rig.until(2000.0, is_touring));
+    rig.reboot();
+    rig.until(5.0, |_| false);
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    let lost = |rig: &Rig| rig.run.session().is_some_and(|s| s.mission().is_lost());
+    assert!(lost(&rig));
+    assert!(rig.until(1000.0, |rig| !lost(rig)), "not found");
+    rig.until(20.0, |_| false);
+    for session in [9, 10] {
+        rig.host_dead = true;
+        rig.until(2.0, |_| false);
+        rig.up.clear();
+        resurrect(&mut rig, session, None);
+        assert!(rig.until(5.0, |rig| rig.run.session().is_some()));
+        rig.until(10.0, |_| false);
+        assert!(!lost(&rig), "it looks for its place once more");
+        assert_eq!(rig.run.ending().map(|ending| ending.reason), None);
+        assert!(off(&rig) < 0.03, "{} m off", off(&rig));
+    }
+    assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+}
+
 /// The robot is pushed a third of a metre aside to where it stands free, and turned a little; nobody tells.
 fn push(rig: &mut Rig, world: &World, way: f64) {
     use crate::geometry::{Ring, angle};

@@ -7,6 +7,8 @@ use crate::simulator::Body;
 pub(super) struct Liar<'a> {
     pub(super) body: &'a mut Body,
     pub(super) lie: [f64; 2],
+    /// What its clock says at a time, both in microseconds.
+    pub(super) clock: fn(u64) -> u64,
     pub(super) broken: Option<Broken>,
     /// What a switch that chatters said last.
     pub(super) chattered: &'a mut bool,
@@ -38,6 +40,7 @@ impl Liar<'_> {
     fn bend(&self, told: Odometer) -> Odometer {
         let [left, right] = self.lie;
         Odometer {
+            time_us: (self.clock)(told.time_us),
             left_ticks: (told.left_ticks as f64 * left).round() as i64,
             right_ticks: (told.right_ticks as f64 * right).round() as i64,
             ..told

@@ -1,0 +1,163 @@
+//! What the session decides by itself: whom it believes, what ends it, what a replay makes of it.
+
+use super::*;
+use crate::geometry::Pose;
+use crate::journal::{Entry, Header, Record, Recording};
+use crate::robot::{DoneReason, Odometer, SwitchSet};
+
+fn settings() -> Settings {
+    Settings::new(Pose::new(0.0, 0.0, 0.0))
+}
+
+fn header() -> Header {
+    Header {
+        settings: settings(),
+        source: "test".to_owned(),
+        noise: String::new(),
+        until: None,
+        robot: None,
+    }
+}
+
+/// A robot that stands where its wheels have counted `ticks` each, at `seconds`.
+fn odometer(seconds: f64, ticks: i64) -> Odometer {
+    let time_us = (seconds * 1e6).round() as u64;
+    Odometer { time_us, left_ticks: ticks, right_ticks: ticks, heading: 0.0 }
+}
+
+fn report(seconds: f64, ticks: i64) -> Telemetry {
+    let odometer = odometer(seconds, ticks);
+    Telemetry::Report { odometer, switches: SwitchSet::EMPTY, bumper: false }
+}
+
+fn done(command: &Command, seconds: f64, ticks: i64) -> Telemetry {
+    let (id, reason, odometer) = (command.id, DoneReason::Complete, odometer(seconds, ticks));
+    Telemetry::Done { id, reason, odometer, switches: SwitchSet::EMPTY, bumper: false }
+}
+
+fn command(out: &[Outgoing]) -> Option<Command> {
+    out.iter().find_map(|outgoing| match outgoing {
+        Outgoing::Command(command) => Some(*command),
+        _ => None,
+    })
+}
+
+/// A session that was heard from once and told `intent`, with what left it then.
+fn begun(settings: Settings, until: Phase, intent: Intent) -> (Session, Vec<Outgoing>) {
+    let mut session = Session::new(settings, "test".to_owned(), until);
+    session.telemetry(&report(1.0, 0), &mut Vec::new());
+    let mut out = Vec::new();
+    session.intent(intent, &mut out);
+    (session, out)
+}
+
+/// Ten metres at once, and from there on quietly counted on: however long that lasts, and whatever the
+/// operator does, it is no way that was driven; nor is it after the record was played back.
+#[test]
+fn a_wheel_that_has_leapt_is_not_believed_later_either() {
+    let mut records = vec![Entry::Telemetry(report(1.0, 0)), Entry::Intent(Intent::Run)];
+    let (mut session, out) = begun(settings(), Phase::Objects, Intent::Run);
+    records.extend(command(&out).map(Entry::Command));
+    for k in 1..3000_u32 {
+        let told = report(1.0 + 0.1 * f64::from(k), 20_000);
+        let mut out = Vec::new();
+        records.push(Entry::Telemetry(told));
+        session.telemetry(&told, &mut out);
+        for wish in [Intent::ClearStop, Intent::Run] {
+            assert!(session.fault().is_some(), "believed after {k} reports");
+            assert_eq!(command(&out), None, "a command leaves meanwhile");
+            records.push(Entry::Intent(wish));
+            session.intent(wish, &mut out);
+        }
+        assert_eq!(command(&out), None, "a command leaves meanwhile");
+    }
+    assert!(session.mission().tracker().travelled() < 1e-9);
+    let records = records.into_iter().map(|entry| Record { time_us: 0, entry }).collect();
+    let mut replay = Replay::new(Recording { header: header(), records, torn: None, sound: 0 });
+    replay.finish();
+    assert_eq!(replay.difference(), None);
+    let (mut session, _) = replay.into_session();
+    session.telemetry(&report(9000.0, 20_000), &mut Vec::new());
+    assert!(session.fault().is_some(), "believed when the run is taken up again");
+    // Where it was, it is believed again.
+    session.telemetry(&report(9000.1, 0), &mut Vec::new());
+    assert!(session.fault().is_none());
+}
+
+/// The end of a motion that was not believed is an end all the same: the run is not left waiting for it.
+#[test]
+fn a_motion_whose_end_was_not_believed_has_ended() {
+    let (mut session, out) = begun(settings(), Phase::Objects, Intent::Run);
+    let first = command(&out).expect("a command");
+    session.telemetry(&done(&first, 2.0, 1_000_000), &mut Vec::new());
+    assert_eq!(session.run_state(), RunState::Stopped);
+    assert_eq!(session.mission().awaited(), Some(first.id), "not ended where nobody knows");
+    session.telemetry(&report(2.1, 100), &mut Vec::new());
+    assert_eq!(session.mission().awaited(), None);
+    let mut out = Vec::new();
+    session.intent(Intent::ClearStop, &mut out);
+    session.intent(Intent::Run, &mut out);
+    assert!(command(&out).is_some(), "the operator cannot go on");
+}
+
+/// A command that the gate does not let through is a mistake in the program: the robot is stopped, and the
+/// run is over rather than waiting for the end of a motion that never began.
+#[test]
+fn a_refused_command_ends_the_run() {
+    let mut wrong = settings();
+    wrong.chassis.speed = f64::INFINITY;
+    let (session, out) = begun(wrong, Phase::Objects, Intent::Run);
+    assert_eq!(command(&out), None);
+    assert!(out.contains(&Outgoing::Stop), "{out:?}");
+    assert!(matches!(session.run_state(), RunState::Failed(_)), "{:?}", session.run_state());
+}
+
+/// What is told of the link is no step of the run: the replay does not hear of it.
+#[test]
+fn a_remark_leaves_the_run_as_it_is() {
+    let (mut session, out) = begun(settings(), Phase::Objects, Intent::StepEvent);
+    // What happened at the beginning ended the step: the next one is at nothing but motions.
+    let mut first = command(&out);
+    let mut records = vec![Entry::Telemetry(report(1.0, 0)), Entry::Intent(Intent::StepEvent)];
+    records.extend(first.map(Entry::Command));
+    for k in 0..3 {
+        let mut out = Vec::new();
+        if session.run_state() == RunState::Paused {
+            records.push(Entry::Intent(Intent::StepEvent));
+            session.intent(Intent::StepEvent, &mut out);
+            let next = command(&out);
+            records.extend(next.map(Entry::Command));
+            first = first.or(next);
+        }
+        session.remark("nothing heard from the robot for 0.5 s".to_owned(), &mut out);
+        assert_eq!(session.run_state(), RunState::Stepping(Step::Event));
+        let told = done(&first.expect("a command"), 2.0 + f64::from(k), 500 * i64::from(k + 1));
+        let mut out = Vec::new();
+        session.telemetry(&told, &mut out);
+        first = command(&out);
+        records.push(Entry::Telemetry(told));
+        records.extend(first.map(Entry::Command));
+    }
+    let records = records.into_iter().map(|entry| Record { time_us: 0, entry }).collect();
+    let mut replay = Replay::new(Recording { header: header(), records, torn: None, sound: 0 });
+    replay.finish();
+    assert_eq!(replay.difference(), None);
+    assert_eq!(replay.session().run_state(), session.run_state());
+    assert_eq!(replay.into_session().1, [], "the replay went on where the run stood");
+}
+
+/// After the end of what was asked for, the robot is placed nowhere any more.
+#[test]
+fn nothing_is_placed_after_the_run() {
+    let (mut session, _) = begun(settings(), Phase::Boundary, Intent::Pause);
+    session.progress[Phase::Boundary as usize].done = true;
+    session.judge(&mut Vec::new());
+    assert_eq!(session.run_state(), RunState::Complete);
+    let mut out = Vec::new();
+    session.intent(Intent::Placed { near: Some(Pose::new(3.0, 2.0, 1.0)) }, &mut out);
+    assert_eq!(session.mission().tracker().pose(), Pose::new(0.0, 0.0, 0.0));
+    let told = out.iter().any(|outgoing| {
+        matches!(outgoing, Outgoing::Event(event) if event.kind.to_string().contains("after the run"))
+    });
+    assert!(told, "{out:?}");
+}

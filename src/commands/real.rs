@@ -240,6 +240,10 @@ impl Driver for LiveDriver {
 
     fn advance(&mut self, _seconds: f64) {}
 
+    fn attended(&mut self) {
+        self.line.attended();
+    }
+
     fn failure(&self) -> Option<String> {
         self.line.failure()
     }

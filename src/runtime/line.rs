@@ -50,12 +50,15 @@ struct Shown {
     version: AtomicU64,
     /// Somebody looks, and would see a newer picture.
     wanted: AtomicBool,
+    /// When an operator was there last, microseconds of the line's clock; 0 when none ever was.
+    attended: AtomicU64,
 }
 
 /// A robot at the end of a line, kept by a thread.
 pub struct Line {
     requests: UnboundedSender<Request>,
     shown: Arc<Shown>,
+    watch: Stopwatch,
     thread: Option<JoinHandle<LiveRun<File>>>,
 }
 
@@ -139,12 +142,19 @@ impl Line {
             port: "control thread".to_owned(),
             reason: error.to_string(),
         })?;
-        Ok(Self { requests, shown, thread: Some(thread) })
+        Ok(Self { requests, shown, watch, thread: Some(thread) })
     }
 
     /// Gives the robot's keeper a wish of the operator; never waits.
     pub fn intent(&self, intent: Intent) {
         let _ = self.requests.send(Request::Intent(intent));
+    }
+
+    /// An operator sees how things are, and is heard. From the first time on the robot is stopped when this
+    /// is not said again within a second.
+    pub fn attended(&self) {
+        let now = (self.watch.seconds() * 1e6) as u64;
+        self.shown.attended.store(now.max(1), Ordering::Release);
     }
 
     /// The newest picture of the state; none before the first.
@@ -267,7 +277,7 @@ impl Keeper {
                     () = tokio::time::sleep(TICK * 4) => {}
                 }
                 let now = self.now();
-                self.run.tick(now);
+                self.tick(now);
                 let _ = self.run.take_output();
                 self.show();
             }
@@ -277,6 +287,15 @@ impl Keeper {
                 stream = Some(open);
             }
         }
+    }
+
+    /// Lets the time pass.
+    fn tick(&mut self, now: f64) {
+        let attended = self.shown.attended.load(Ordering::Acquire);
+        if attended > 0 {
+            self.run.attended(attended as f64 * 1e-6);
+        }
+        self.run.tick(now);
     }
 
     /// Takes a request; true when it is to leave.
@@ -346,7 +365,7 @@ impl Keeper {
                 _ = tick.tick() => {}
             }
             let now = self.now();
-            self.run.tick(now);
+            self.tick(now);
             let fresh = self.run.take_output();
             if fresh.first() == Some(&STOP) {
                 // Nothing that is still waiting may leave before a stop; a line cut short is dropped.

@@ -2,6 +2,7 @@
 //! writes the port is [`super::line`]; the tests put a faulty line and a simulated robot in its place.
 
 mod anew;
+mod attended;
 mod restart;
 mod telling;
 
@@ -75,6 +76,8 @@ pub struct LiveRun<W: Write> {
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
     ended: Option<Ending>,
+    /// When an operator was there last; none when nobody has to be.
+    attended: Option<f64>,
     map: RoomMap,
     version: u64,
 }
@@ -100,6 +103,7 @@ impl<W: Write> LiveRun<W> {
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             ended: None,
+            attended: None,
             map: RoomMap::default(),
             version: 0,
         }
@@ -138,6 +142,7 @@ impl<W: Write> LiveRun<W> {
     pub fn tick(&mut self, now: f64) {
         self.host.tick(now, &mut self.heard);
         self.take_heard(now);
+        self.mind_the_operator(now);
         if let Some(command) = self.held
             && self.host.is_sound(now)
         {

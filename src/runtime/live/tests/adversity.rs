@@ -68,7 +68,7 @@ fn an_encoder_that_leaps_stops_the_robot_at_once() {
         assert!(travelled(&rig) - before < 0.1, "{lie:?}: it was taken for a way");
         let session = rig.run.session().expect("a session");
         let told = session.events().iter().any(|event| {
-            matches!(&event.kind, crate::mapping::event::EventKind::Alarm { what }
+            matches!(&event.kind, EventKind::Alarm { what }
                 if what.contains("cannot be believed"))
         });
         assert!(told, "{lie:?}: nobody was told");

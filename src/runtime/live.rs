@@ -72,7 +72,7 @@ pub struct LiveRun<W: Write> {
     carried: Option<Intent>,
     /// Why a command was refused, and when that ends the run, if nothing else is heard before.
     refused: Option<(f64, String)>,
-    /// A command that waits for the line to be sound.
+    /// A command that waits to be recorded, and for the line to be sound.
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
     ended: Option<Ending>,
@@ -143,17 +143,11 @@ impl<W: Write> LiveRun<W> {
         self.host.tick(now, &mut self.heard);
         self.take_heard(now);
         self.mind_the_operator(now);
-        if let Some(command) = self.held
-            && self.host.is_sound(now)
-        {
-            self.held = None;
-            self.host.send(command, now);
-        }
+        self.send_held(now);
         if let Some((_, why)) = self.refused.take_if(|(due, _)| now >= *due) {
             self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
         }
-        let failed = self.journal.as_ref().and_then(|journal| journal.error());
-        if let Some(error) = failed
+        if let Some(error) = self.record_error()
             && self.ended.is_none()
         {
             let reason = format!("the record cannot be written: {error}; the robot was stopped");
@@ -270,9 +264,6 @@ impl<W: Write> LiveRun<W> {
                 // Tell, halt, latch.
                 self.remark(format!("link lost: {why}"), now);
                 self.stop(now);
-                if let Some(command) = self.held.take() {
-                    self.not_begun(command.id, now);
-                }
                 if self.plan.at_once || self.session.is_none() {
                     self.end(Outcome::Failed, format!("link lost: {why}"));
                 }
@@ -339,39 +330,46 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// Takes what left the session, in its order: it is recorded, stops leave at once, and a command when
+    /// it may.
     fn deliver(&mut self, now: f64) {
         let Some(session) = &self.session else { return };
-        let mut commands = Vec::new();
-        let mut stops = false;
+        let mut overtaken = None;
         for outgoing in std::mem::take(&mut self.outgoing) {
             keep(&mut self.journal, session, &outgoing);
             match outgoing {
-                Outgoing::Command(command) => commands.push(command),
-                Outgoing::Stop => stops = true,
+                Outgoing::Command(command) => self.held = Some(command),
+                Outgoing::Stop => {
+                    self.host.stop(now);
+                    overtaken = self.held.take().or(overtaken);
+                }
                 Outgoing::Event(_) | Outgoing::PhaseEnded(_) => {}
             }
-        }
-        if stops {
-            self.host.stop(now);
         }
         if let Some(journal) = &mut self.journal {
             // Written before the command leaves: what was sent is never unknown afterwards.
             journal.flush();
-            if journal.error().is_some() {
-                self.host.stop(now);
-                return;
-            }
         }
-        for command in commands {
-            if self.host.is_sound(now) {
-                self.host.send(command, now);
-            } else {
-                self.held = Some(command);
-            }
-        }
-        if stops && let Some(command) = self.held.take() {
+        self.send_held(now);
+        if let Some(command) = overtaken {
             self.not_begun(command.id, now);
         }
+    }
+
+    /// Sends the command that waits, if it is recorded and the line is sound.
+    fn send_held(&mut self, now: f64) {
+        if self.record_error().is_some() {
+            self.held = None;
+        } else if self.host.is_sound(now)
+            && let Some(command) = self.held.take()
+        {
+            self.host.send(command, now);
+        }
+    }
+
+    /// Why the record cannot be written, if that is so.
+    fn record_error(&self) -> Option<String> {
+        self.journal.as_ref().and_then(|journal| journal.error()).map(ToString::to_string)
     }
 }
 

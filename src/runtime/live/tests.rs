@@ -6,6 +6,7 @@ mod attended;
 mod carried;
 mod liar;
 mod same;
+mod stops;
 
 use super::*;
 use crate::firmware::{Device, STEP};

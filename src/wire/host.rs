@@ -334,6 +334,7 @@ impl Host {
             (self.command, self.stop, self.doubt) = (None, None, None);
             told.push(Heard::Rebooted);
         }
+        self.wait_anew(now);
         self.identity = Some(identity.clone());
         self.clean = now;
         self.ping_due = now;

@@ -1,6 +1,6 @@
 //! What the host does as time passes: what is not answered is said again, and who is silent is noticed.
 
-use super::timing::{BLIND, BOOT, HELLO, LOST, PING, STALE, UNANSWERED, UNDOUBTED};
+use super::timing::{BLIND, BOOT, HELLO, LOST, OVERDUE, PING, STALE, UNANSWERED, UNDOUBTED};
 use super::{Health, Heard, Host, Loss};
 use crate::wire::frame::seal;
 use crate::wire::message::{ToRobot, VERSION};
@@ -70,20 +70,40 @@ impl Host {
                 self.halted = true;
                 self.stop(now);
             }
-            if now > over {
+            // No end comes of what never began; that is found out after the stop that is under way.
+            if now > over && self.doubt.is_none() {
                 self.stop(now);
                 return self.lose(Loss::Endless, told);
             }
         }
+        if self.stop.as_ref().is_some_and(|stop| now - stop.since > self.unanswered()) {
+            return self.lose(Loss::Unacknowledged, told);
+        }
+        let unanswered = self.unanswered();
         if let Some(pending) = &mut self.command
             && now >= pending.due
         {
-            if now - pending.since > UNANSWERED + 10.0 * self.latency {
+            if now - pending.since > unanswered {
                 self.stop(now);
                 return self.lose(Loss::Unacknowledged, told);
             }
             pending.again(now);
             self.out.extend_from_slice(&pending.line);
+        }
+    }
+
+    /// How long an acknowledgement is waited for, seconds.
+    fn unanswered(&self) -> f64 {
+        UNANSWERED + 10.0 * self.latency
+    }
+
+    /// The robot is there again: what was waited for while it was not is waited for anew.
+    pub(super) fn wait_anew(&mut self, now: f64) {
+        if let Some((_, over)) = &mut self.motion {
+            *over = now + OVERDUE;
+        }
+        if let Some(stop) = &mut self.stop {
+            stop.since = now;
         }
     }
 

@@ -1,0 +1,55 @@
+//! A line that is gone for longer than any motion lasts, and a host that was busy meanwhile.
+
+use super::*;
+
+/// A robot under an operator's hands, under way for `seconds`.
+fn under_way(seconds: f64) -> Rig {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.until(3.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(seconds, |_| false);
+    rig
+}
+
+fn travelled(rig: &Rig) -> f64 {
+    rig.run.session().expect("a session").mission().tracker().travelled()
+}
+
+/// The operator goes on, and so does the robot.
+fn goes_on(rig: &mut Rig) {
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    let before = travelled(rig);
+    rig.until(10.0, |_| false);
+    assert_eq!(rig.run_state(), RunState::Running);
+    assert!(travelled(rig) - before > 0.3, "it stands");
+}
+
+/// The deadline of a motion that ended meanwhile is long over when the line is there again.
+#[test]
+fn a_line_that_was_gone_for_long_is_back_once_and_for_all() {
+    for later in 0..8 {
+        let mut rig = under_way(20.0 + 0.17 * f64::from(later));
+        rig.line = Passage::Cut;
+        rig.until(10.0, |_| false);
+        rig.line = Passage::Open;
+        rig.until(6.0, |_| false);
+        assert_eq!(rig.run.host().health(), Health::Up, "{later}");
+        assert_eq!(rig.alarms("link lost"), 1, "{later}: it flaps");
+        goes_on(&mut rig);
+    }
+}
+
+/// Nobody knows whether a command began that the line took with it; no end of it ever comes.
+#[test]
+fn a_line_that_took_a_command_with_it_is_back_once_and_for_all() {
+    let mut rig = under_way(20.0);
+    rig.line = Passage::UntilACommand;
+    assert!(rig.until(10.0, |rig| rig.line == Passage::Cut), "no command");
+    rig.until(12.0, |_| false);
+    rig.line = Passage::Open;
+    rig.until(6.0, |_| false);
+    assert_eq!(rig.run.host().health(), Health::Up);
+    assert_eq!(rig.alarms("link lost"), 1, "it flaps");
+    goes_on(&mut rig);
+}

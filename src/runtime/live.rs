@@ -356,13 +356,19 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
-    /// Sends the command that waits, if it is recorded and the line is sound.
+    /// Sends the command that waits, if it is recorded and the line is sound. A line that is gone is not
+    /// waited for: nobody would expect the robot to drive off when it is back.
     fn send_held(&mut self, now: f64) {
+        let Some(command) = self.held else { return };
         if self.record_error().is_some() {
             self.held = None;
-        } else if self.host.is_sound(now)
-            && let Some(command) = self.held.take()
-        {
+        } else if !self.host.is_open() {
+            self.held = None;
+            self.remark("nothing is heard from the robot: it is told nothing".to_owned(), now);
+            self.stop(now);
+            self.not_begun(command.id, now);
+        } else if self.host.is_sound(now) {
+            self.held = None;
             self.host.send(command, now);
         }
     }

@@ -97,7 +97,7 @@ impl Host {
         (self.sample, self.understood) = (Sample::default(), false);
         self.put_in_doubt();
         self.pinged = None;
-        (self.opened, self.heard, self.clean) = (now, now, now);
+        (self.opened, self.clean) = (now, now);
         (self.hello_due, self.ping_due) = (now, now);
         self.out.clear();
         self.urgent.clear();
@@ -315,8 +315,9 @@ impl Host {
         }
     }
 
-    /// Telemetry means something: the robot is known.
-    fn is_open(&self) -> bool {
+    /// Whether telemetry means something: the robot is known, and was heard a moment ago.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
         self.identity.is_some() && matches!(self.health, Health::Up | Health::Stale)
     }
 

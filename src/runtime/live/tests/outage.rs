@@ -53,3 +53,24 @@ fn a_line_that_took_a_command_with_it_is_back_once_and_for_all() {
     assert_eq!(rig.alarms("link lost"), 1, "it flaps");
     goes_on(&mut rig);
 }
+
+/// Set going while the line is gone, the robot does not drive off by itself when it is back.
+#[test]
+fn nothing_waits_for_a_line_that_is_gone() {
+    let mut rig = under_way(20.0);
+    rig.run.intent(Intent::Pause, rig.now);
+    assert!(rig.until(20.0, |rig| !rig.device.is_moving()));
+    rig.until(1.0, |_| false);
+    rig.line = Passage::Cut;
+    assert!(rig.until(3.0, |rig| matches!(rig.run.host().health(), Health::Lost(_))));
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(30.0, |_| false);
+    rig.line = Passage::Open;
+    let before = travelled(&rig);
+    rig.until(6.0, |_| false);
+    assert_eq!(rig.run.host().health(), Health::Up);
+    assert!(travelled(&rig) - before < 1e-3, "it drove off half a minute later");
+    assert_eq!(rig.run_state(), RunState::Stopped);
+    goes_on(&mut rig);
+}

@@ -13,7 +13,7 @@ use crate::journal::{Header, Journal, RobotMark};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
-use crate::session::{Outgoing, Session};
+use crate::session::{Outgoing, RunState, Session};
 use crate::wire::host::Identity;
 use crate::wire::{Health, Heard, Host};
 use restart::{Restart, counted};
@@ -76,6 +76,8 @@ pub struct LiveRun<W: Write> {
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
     ended: Option<Ending>,
+    /// The record cannot be written, and that was told.
+    unrecorded: bool,
     /// When an operator was there last; none when nobody has to be.
     attended: Option<f64>,
     map: RoomMap,
@@ -103,6 +105,7 @@ impl<W: Write> LiveRun<W> {
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             ended: None,
+            unrecorded: false,
             attended: None,
             map: RoomMap::default(),
             version: 0,
@@ -147,14 +150,23 @@ impl<W: Write> LiveRun<W> {
         if let Some((_, why)) = self.refused.take_if(|(due, _)| now >= *due) {
             self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
         }
-        if let Some(error) = self.record_error()
-            && self.ended.is_none()
-        {
-            let reason = format!("the record cannot be written: {error}; the robot was stopped");
-            self.stop(now);
-            self.remark(reason.clone(), now);
-            self.end(Outcome::Failed, reason);
+        if let Some(error) = self.record_error() {
+            self.unrecorded(&error, now);
         }
+    }
+
+    /// Nothing is driven that is not recorded: the stop comes back whenever it is cleared.
+    fn unrecorded(&mut self, error: &str, now: f64) {
+        let run = self.session.as_ref().map(Session::run_state);
+        let told = run == Some(RunState::Stopped) || run.is_some_and(RunState::is_over);
+        if told && self.unrecorded {
+            return;
+        }
+        self.unrecorded = true;
+        let reason = format!("the record cannot be written: {error}; the robot was stopped");
+        self.stop(now);
+        self.remark(reason.clone(), now);
+        self.end(Outcome::Failed, reason);
     }
 
     /// The port is gone.
@@ -235,6 +247,11 @@ impl<W: Write> LiveRun<W> {
     }
 
     fn begin(&mut self, identity: &Identity, now: f64) {
+        if self.unrecorded {
+            return;
+        }
+        // Whatever kept it away so long, it is there.
+        self.ended = None;
         let mut settings = self.plan.settings.clone();
         settings.chassis = identity.chassis.clone();
         let source = format!("{} on {}", identity.name, self.plan.port);
@@ -246,6 +263,7 @@ impl<W: Write> LiveRun<W> {
             match Journal::begin(out, &header) {
                 Ok(journal) => self.journal = Some(journal),
                 Err(error) => {
+                    self.unrecorded = true;
                     let reason = format!("the record cannot be written: {error}");
                     return self.end(Outcome::Failed, reason);
                 }

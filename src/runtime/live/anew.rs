@@ -49,6 +49,7 @@ impl<W: Write> LiveRun<W> {
                 self.restarted = session.mission().tracker().last();
             }
             self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
+            self.ended = None;
             self.session = Some(session);
             self.intent(Intent::Pause, now);
             self.settling = Some(0);

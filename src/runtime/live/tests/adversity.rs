@@ -37,6 +37,31 @@ fn a_full_disk_stops_the_robot_whenever_it_comes() {
     }
 }
 
+/// A robot that was switched on late is there all the same; and a full disk is told of afterwards as well,
+/// however often the operator clears the stop.
+#[test]
+fn a_robot_that_came_late_is_no_failure_and_hides_none() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.line = Passage::Cut;
+    rig.until(5.0, |_| false);
+    rig.line = Passage::Open;
+    assert!(rig.until(5.0, |rig| rig.run.session().is_some()), "nobody there");
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(20.0, |_| false);
+    assert_eq!(rig.run.ending(), None, "it goes on");
+    rig.memory.room.set(Some(0));
+    rig.until(5.0, |_| false);
+    for times in 1..4 {
+        assert_eq!(rig.run_state(), RunState::Stopped, "{times}");
+        assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "{times}: it still moves");
+        assert_eq!(rig.alarms("no space left"), times, "nobody was told");
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(2.0, |_| false);
+    }
+    assert!(rig.run.ending().is_some_and(|ending| ending.reason.contains("no space left")));
+}
+
 #[test]
 fn a_wheel_whose_encoder_lies_is_found_out() {
     for lie in [[1.1, 1.0], [1.0, 0.85], [0.0, 1.0], [1.0, 2.0]] {

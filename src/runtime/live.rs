@@ -76,6 +76,8 @@ pub struct LiveRun<W: Write> {
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
     ended: Option<Ending>,
+    /// It goes on by itself once the robot is there and stands still; a stop before that takes it back.
+    goes_on: bool,
     /// The record cannot be written, and that was told.
     unrecorded: bool,
     /// When an operator was there last; none when nobody has to be.
@@ -89,6 +91,7 @@ impl<W: Write> LiveRun<W> {
     #[must_use]
     pub fn new(plan: Plan, host: Host, out: Option<W>) -> Self {
         Self {
+            goes_on: plan.at_once,
             plan,
             host,
             session: None,
@@ -183,6 +186,7 @@ impl<W: Write> LiveRun<W> {
 
     /// Takes a wish of the operator. A stop leaves with the next bytes, before everything else.
     pub fn intent(&mut self, intent: Intent, now: f64) {
+        self.goes_on &= intent != Intent::Stop;
         let Some(session) = &mut self.session else {
             if intent == Intent::Stop {
                 self.host.stop(now);
@@ -270,7 +274,7 @@ impl<W: Write> LiveRun<W> {
             }
         }
         self.session = Some(Session::new(header.settings, source, until.unwrap_or(Phase::Objects)));
-        if self.plan.at_once {
+        if std::mem::take(&mut self.goes_on) {
             self.intent(Intent::Run, now);
         }
     }

@@ -67,7 +67,7 @@ impl<W: Write> LiveRun<W> {
         if let Some(carried) = self.carried.take() {
             self.intent(carried, now);
         }
-        if self.plan.at_once {
+        if std::mem::take(&mut self.goes_on) {
             self.intent(Intent::ClearStop, now);
             self.intent(Intent::Run, now);
         }

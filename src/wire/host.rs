@@ -13,7 +13,7 @@ use super::frame::{Decoder, Item, STOP, seal};
 use super::message::{FromRobot, ToRobot, VERSION};
 use crate::robot::{Command, CommandId, SWITCHES, Telemetry, Unfit};
 use pending::Pending;
-use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, OVERDUE};
+use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, HOLE, OVERDUE};
 use told::Introduction;
 
 /// The host's end.
@@ -44,6 +44,10 @@ pub struct Host {
     /// When the last stop was acknowledged.
     quiet: f64,
     event: u32,
+    /// Since when, and from which event on, the robot tells of later ones and not of the next.
+    behind: Option<(f64, u32)>,
+    /// What it says is not what one would say who knows this host: it is asked until it does.
+    estranged: bool,
     time_us: u64,
     garbled: u64,
     /// What was heard first since the port was opened, and whether any of it was in this protocol.
@@ -81,6 +85,8 @@ impl Host {
             doubt: None,
             quiet: now,
             event: 0,
+            behind: None,
+            estranged: false,
             time_us: 0,
             garbled: 0,
             sample: Sample::default(),
@@ -235,8 +241,13 @@ impl Host {
                 // What it says of itself before it has heard this host is not the answer yet: with its
                 // own start, or with another host's words, its numbers are others.
                 if session != self.session {
+                    // It knew this host, and does not any more: there is a hole in what it tells.
+                    if self.is_open() {
+                        self.ask_anew(now);
+                    }
                     return;
                 }
+                self.estranged = false;
                 if !SWITCHES.contains(&switches) {
                     return self.unfit(Unfit::Switches { count: switches }, told);
                 }
@@ -274,7 +285,7 @@ impl Host {
                     self.command = None;
                     self.motion = None;
                     // It may have been started again, and not know who speaks.
-                    self.hello_due = self.hello_due.min(now);
+                    self.ask_anew(now);
                     told.push(Heard::Refused(CommandId(seq), why));
                 }
             }
@@ -285,8 +296,8 @@ impl Host {
             }
             FromRobot::Report { odometer, switches, bumper, event, .. } => {
                 // One from before a restart, or one from after it: who is there?
-                if event < self.event {
-                    self.hello_due = self.hello_due.min(now);
+                if event < self.event || self.misses(event, now) {
+                    self.ask_anew(now);
                 }
                 if event == self.event && odometer.time_us >= self.time_us && self.is_open() {
                     self.time_us = odometer.time_us;
@@ -306,6 +317,23 @@ impl Host {
                 }
             }
         }
+    }
+
+    /// Whether the robot, whose newest event is this one, has not told the next for too long: it says again
+    /// what it has.
+    fn misses(&mut self, newest: u32, now: f64) -> bool {
+        let since = match self.behind {
+            Some((since, event)) if event == self.event => since,
+            _ => now,
+        };
+        self.behind = (newest > self.event).then_some((since, self.event));
+        self.behind.is_some() && now - since > HOLE
+    }
+
+    /// Asks who is there, until the answer is for this host.
+    fn ask_anew(&mut self, now: f64) {
+        self.estranged = true;
+        self.hello_due = self.hello_due.min(now);
     }
 
     /// It says that it is what no robot can be. One that is known already is believed more than that.

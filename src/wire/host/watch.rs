@@ -17,7 +17,7 @@ impl Host {
             seal(&hello.to_string(), &mut self.out);
             self.hello_due = now + HELLO;
         }
-        if self.is_open() && self.hello_due.is_finite() {
+        if self.is_open() && !self.estranged && self.hello_due.is_finite() {
             self.hello_due = f64::INFINITY;
         } else if !self.is_open() && self.hello_due.is_infinite() {
             self.hello_due = now;

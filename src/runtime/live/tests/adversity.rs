@@ -62,6 +62,26 @@ fn a_robot_that_came_late_is_no_failure_and_hides_none() {
     assert!(rig.run.ending().is_some_and(|ending| ending.reason.contains("no space left")));
 }
 
+/// More edges at once than the robot has room for: it stops, and the host knows that there is a hole.
+#[test]
+fn a_hole_in_what_the_robot_tells_is_known_at_once() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.until(3.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(20.0, |_| false);
+    assert!(rig.until(20.0, |rig| rig.device.is_moving()));
+    rig.storm = 80;
+    // What it says of it is lost as well.
+    rig.line = Passage::Cut;
+    rig.until(0.1, |_| false);
+    rig.line = Passage::Open;
+    rig.until(0.5, |_| false);
+    assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "it drives on");
+    rig.until(1.0, |_| false);
+    assert_eq!(rig.alarms("started again"), 1, "nobody noticed");
+    assert_eq!(rig.run_state(), RunState::Stopped);
+}
+
 #[test]
 fn a_wheel_whose_encoder_lies_is_found_out() {
     for lie in [[1.1, 1.0], [1.0, 0.85], [0.0, 1.0], [1.0, 2.0]] {

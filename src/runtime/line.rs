@@ -110,7 +110,13 @@ impl Line {
             reason: error.to_string(),
         };
         let runtime = runtime.map_err(failed)?;
-        let stream = runtime.block_on(port::open(&address))?;
+        let stream = match runtime.block_on(port::open(&address)) {
+            Ok(stream) => stream,
+            Err(error) => {
+                runtime.shutdown_background();
+                return Err(error);
+            }
+        };
         let (requests, asked) = unbounded_channel();
         stop_before_reports();
         let mut keepers = held(&KEEPERS);
@@ -135,6 +141,8 @@ impl Line {
             if let Err(panic) = catch_unwind(keep) {
                 keeper.failed(panic.as_ref());
             }
+            // A name that is still being looked up is not waited for.
+            runtime.shutdown_background();
             drop(syncing);
             keeper.run
         });
@@ -256,36 +264,44 @@ impl Keeper {
     }
 
     /// Keeps the robot until it is told to leave.
-    async fn keep(&mut self, stream: Box<dyn Stream>) {
-        let mut stream = Some(stream);
-        let mut pause = BACKOFF.0;
-        loop {
-            if let Some(open) = stream.take() {
-                if self.converse(open).await {
+    async fn keep(&mut self, mut stream: Box<dyn Stream>) {
+        let address = self.address.clone();
+        while !self.converse(stream).await {
+            // The port is gone: try again, ever less often.
+            let mut pause = BACKOFF.0;
+            stream = loop {
+                let pausing = tokio::time::sleep(Duration::from_secs_f64(pause));
+                if self.meanwhile(pausing).await.is_none() {
                     return;
                 }
-                pause = BACKOFF.0;
-            }
-            // The port is gone: try again, ever less often, and stay open for requests.
-            let until = self.now() + pause;
-            pause = (pause * 2.0).min(BACKOFF.1);
-            while self.now() < until {
-                tokio::select! {
-                    request = self.asked.recv() => {
-                        if self.ask(request.as_ref()) { return; }
-                    }
-                    () = tokio::time::sleep(TICK * 4) => {}
+                match self.meanwhile(port::open(&address)).await {
+                    Some(Ok(open)) => break open,
+                    Some(Err(_)) => pause = (pause * 2.0).min(BACKOFF.1),
+                    None => return,
                 }
-                let now = self.now();
-                self.tick(now);
-                let _ = self.run.take_output();
-                self.show();
+            };
+            let now = self.now();
+            self.run.reopened(now);
+        }
+    }
+
+    /// Waits for `what` without a port, open for requests; none when told to leave, however long `what`
+    /// would have taken.
+    async fn meanwhile<T>(&mut self, what: impl Future<Output = T>) -> Option<T> {
+        let mut what = std::pin::pin!(what);
+        loop {
+            tokio::select! {
+                biased;
+                request = self.asked.recv() => {
+                    if self.ask(request.as_ref()) { return None; }
+                }
+                done = &mut what => return Some(done),
+                () = tokio::time::sleep(TICK * 4) => {}
             }
-            if let Ok(open) = port::open(&self.address).await {
-                let now = self.now();
-                self.run.reopened(now);
-                stream = Some(open);
-            }
+            let now = self.now();
+            self.tick(now);
+            let _ = self.run.take_output();
+            self.show();
         }
     }
 

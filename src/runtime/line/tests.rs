@@ -127,6 +127,23 @@ fn failing(what: Failing) -> Seen {
     Seen { ending, shown, ..seen }
 }
 
+/// A bridge that does not answer keeps nobody: who is told to leave leaves at once.
+#[test]
+fn a_bridge_that_does_not_answer_is_left_at_once() {
+    let address: Address = "tcp://192.0.2.1:9".parse().expect("an address");
+    let settings = Settings::new(crate::geometry::Pose::new(0.0, 0.0, 0.0));
+    let plan = Plan { settings, port: address.to_string(), until: None, at_once: false };
+    let run = LiveRun::new(plan, Host::new(0, 1, 0.0), None);
+    let (requests, asked) = unbounded_channel();
+    let (watch, shown) = (Stopwatch::start(), Arc::new(Shown::default()));
+    let mut keeper = Keeper { address, run, watch, shown, asked };
+    requests.send(Request::Intent(Intent::Stop)).expect("it listens");
+    requests.send(Request::Leave).expect("it listens");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let never = keeper.meanwhile(std::future::pending::<()>());
+    assert_eq!(runtime.expect("a runtime").block_on(never), None);
+}
+
 /// One test, since a panic anywhere stops every robot that this program keeps.
 #[test]
 fn a_panic_stops_the_robot_and_an_unplugged_line_is_seen() {

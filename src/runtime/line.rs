@@ -1,6 +1,7 @@
 //! The task that keeps a real robot: it alone reads and writes the port, on a thread of its own, so
-//! that neither the screen nor the disk can keep it from its heartbeat. The rest of the program
-//! gives it intents and takes pictures of its state.
+//! that the screen cannot keep it from its heartbeat. The rest of the program gives it intents and takes
+//! pictures of its state. What it decides it decides here, and it hands the record on here as well, before a
+//! command leaves: a plan that takes long, or a disk, does keep it, and the robot then stands by itself.
 
 use super::live::{Interrupted, LiveRun, Plan};
 use super::{Ending, Stopwatch};
@@ -350,7 +351,8 @@ impl Keeper {
         let mut to = LastWord(to);
         let mut tick = tokio::time::interval(TICK);
         tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-        let mut bytes = [0_u8; 1024];
+        // As much as a port keeps while nobody reads it.
+        let mut bytes = [0_u8; 4096];
         let mut waiting: Vec<u8> = Vec::new();
         let mut progress = self.now();
         let mut leaving: Option<f64> = None;

@@ -26,6 +26,8 @@ pub struct Host {
     identity: Option<Identity>,
     health: Health,
     opened: f64,
+    /// When the time was looked at last.
+    ticked: f64,
     heard: f64,
     clean: f64,
     hello_due: f64,
@@ -70,6 +72,7 @@ impl Host {
             identity: None,
             health: Health::Opening,
             opened: now,
+            ticked: now,
             heard: now,
             clean: now,
             hello_due: now,

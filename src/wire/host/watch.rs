@@ -8,7 +8,11 @@ use crate::wire::message::{ToRobot, VERSION};
 impl Host {
     /// Lets the time pass: what is due is said again, and who is silent is noticed. To be called
     /// every few milliseconds, from the loop that decides: a host that hangs falls silent.
+    ///
+    /// What is overdue is judged as of the call before, since which everything that was there has been
+    /// taken in: whoever was busy for seconds with a plan or a disk has not read yet what came meanwhile.
     pub fn tick(&mut self, now: f64, told: &mut Vec<Heard>) {
+        let judged = std::mem::replace(&mut self.ticked, now);
         if self.health == Health::Lost(Loss::Unplugged) {
             return;
         }
@@ -24,7 +28,7 @@ impl Host {
         }
         match self.health {
             Health::Opening => {
-                if now - self.opened > BOOT {
+                if judged - self.opened > BOOT {
                     let why = match (self.understood, self.sample.is_empty()) {
                         (true, _) => Loss::Unintroduced,
                         (false, false) => Loss::Foreign(self.sample),
@@ -33,14 +37,14 @@ impl Host {
                     self.lose(why, told);
                 }
             }
-            Health::Up | Health::Stale => self.watch(now, told),
+            Health::Up | Health::Stale => self.watch(judged, now, told),
             Health::Lost(_) => {}
         }
         self.resend_stop(now);
     }
 
-    fn watch(&mut self, now: f64, told: &mut Vec<Heard>) {
-        let silence = now - self.heard;
+    fn watch(&mut self, judged: f64, now: f64, told: &mut Vec<Heard>) {
+        let silence = judged - self.heard;
         if silence > LOST {
             return self.lose(Loss::Silent, told);
         }
@@ -58,7 +62,7 @@ impl Host {
             }
             self.ping_due = now + PING;
         }
-        if self.stop.is_none() && now - self.quiet > UNDOUBTED && silence < PING * 3.0 {
+        if self.stop.is_none() && judged - self.quiet > UNDOUBTED && silence < PING * 3.0 {
             // Its end would have come by now.
             if let Some(id) = self.doubt.take() {
                 self.motion = None;
@@ -71,19 +75,19 @@ impl Host {
                 self.stop(now);
             }
             // No end comes of what never began; that is found out after the stop that is under way.
-            if now > over && self.doubt.is_none() {
+            if judged > over && self.doubt.is_none() {
                 self.stop(now);
                 return self.lose(Loss::Endless, told);
             }
         }
-        if self.stop.as_ref().is_some_and(|stop| now - stop.since > self.unanswered()) {
+        if self.stop.as_ref().is_some_and(|stop| judged - stop.since > self.unanswered()) {
             return self.lose(Loss::Unacknowledged, told);
         }
         let unanswered = self.unanswered();
         if let Some(pending) = &mut self.command
             && now >= pending.due
         {
-            if now - pending.since > unanswered {
+            if judged - pending.since > unanswered {
                 self.stop(now);
                 return self.lose(Loss::Unacknowledged, told);
             }

@@ -74,3 +74,18 @@ fn nothing_waits_for_a_line_that_is_gone() {
     assert_eq!(rig.run_state(), RunState::Stopped);
     goes_on(&mut rig);
 }
+
+/// What came while the host was busy has not been read yet when the host looks at the time.
+#[test]
+fn a_host_that_was_busy_has_not_lost_its_robot() {
+    let mut rig = under_way(20.0);
+    for busy in [0.6, 2.0, 12.0] {
+        rig.host_dead = true;
+        rig.until(busy, |_| false);
+        rig.host_dead = false;
+        rig.run.tick(rig.now);
+        rig.until(3.0, |_| false);
+        assert_eq!(rig.alarms("link lost"), 0, "busy for {busy} s");
+        assert_eq!(rig.run_state(), RunState::Running, "busy for {busy} s");
+    }
+}

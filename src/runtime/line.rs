@@ -3,6 +3,8 @@
 //! pictures of its state. What it decides it decides here, and it hands the record on here as well, before a
 //! command leaves: a plan that takes long, or a disk, does keep it, and the robot then stands by itself.
 
+mod syncing;
+
 use super::live::{Interrupted, LiveRun, Plan};
 use super::{Ending, Stopwatch};
 use crate::link::{Address, PortError, Stream, port};
@@ -17,6 +19,7 @@ use std::sync::{Arc, Condvar, Mutex, Once, PoisonError};
 use std::task::{Context, Waker};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use syncing::Syncing;
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
@@ -129,13 +132,14 @@ impl Line {
         // Tells this conversation from the one before; nothing else depends on it.
         let session = (std::process::id() ^ (journal_age(&journal) as u32).rotate_left(16)) | 1;
         let host = Host::new(address.baud(), session, 0.0);
-        let syncing = sync_thread(&journal);
+        let syncing = Syncing::of(&journal).map_err(failed)?;
         let run = LiveRun::new(plan, host, Some(journal));
         let run = match interrupted {
             Some(interrupted) => run.going_on(interrupted),
             None => run,
         };
-        let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked };
+        let syncing = Some(syncing);
+        let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked, syncing };
         let thread = std::thread::Builder::new().name(CONTROL.to_owned()).spawn(move || {
             let keep = AssertUnwindSafe(|| runtime.block_on(keeper.keep(stream)));
             // The robot has its stop by then; what is known is still to be written.
@@ -144,8 +148,7 @@ impl Line {
             }
             // A name that is still being looked up is not waited for.
             runtime.shutdown_background();
-            drop(syncing);
-            keeper.run
+            keeper.into_run()
         });
         let thread = thread.map_err(|error| PortError::Refused {
             port: "control thread".to_owned(),
@@ -217,27 +220,6 @@ fn journal_age(journal: &File) -> u128 {
     created.and_then(|time| time.elapsed().ok()).map_or(0, |age| age.as_nanos())
 }
 
-/// Brings the record to the disk once a second, beside the control thread; ends when dropped.
-struct Syncing(
-    #[expect(dead_code, reason = "its end is what the thread waits for")]
-    std::sync::mpsc::Sender<()>,
-);
-
-fn sync_thread(journal: &File) -> Option<Syncing> {
-    let file = journal.try_clone().ok()?;
-    let (end, ended) = std::sync::mpsc::channel();
-    let body = move || {
-        while ended.recv_timeout(Duration::from_secs(1))
-            == Err(std::sync::mpsc::RecvTimeoutError::Timeout)
-        {
-            let _ = file.sync_data();
-        }
-        let _ = file.sync_data();
-    };
-    std::thread::Builder::new().name("record".to_owned()).spawn(body).ok()?;
-    Some(Syncing(end))
-}
-
 /// What is written to. Should this program fail, its last word to the robot is to stop.
 struct LastWord<W: AsyncWrite + Unpin>(W);
 
@@ -257,6 +239,7 @@ struct Keeper {
     watch: Stopwatch,
     shown: Arc<Shown>,
     asked: UnboundedReceiver<Request>,
+    syncing: Option<Syncing>,
 }
 
 impl Keeper {
@@ -312,6 +295,9 @@ impl Keeper {
         if attended > 0 {
             self.run.attended(attended as f64 * 1e-6);
         }
+        if let Some(error) = self.syncing.as_ref().and_then(Syncing::failure) {
+            self.run.record_lost(error);
+        }
         self.run.tick(now);
     }
 
@@ -327,6 +313,15 @@ impl Keeper {
             #[cfg(test)]
             Some(Request::Panic) => panic!("asked to"),
         }
+    }
+
+    /// The run, with its record on the disk as far as it goes.
+    fn into_run(mut self) -> LiveRun<File> {
+        self.run.hand_record_on();
+        if let Some(error) = self.syncing.take().and_then(Syncing::end) {
+            self.run.record_lost(error);
+        }
+        self.run
     }
 
     /// This program failed while it kept the robot: nothing more can be done but to say so.

@@ -158,6 +158,20 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// Hands on all that is recorded so far.
+    pub fn hand_record_on(&mut self) {
+        if let Some(journal) = &mut self.journal {
+            journal.flush();
+        }
+    }
+
+    /// What was recorded has not reached the disk: the record counts as failed from now on.
+    pub fn record_lost(&mut self, error: std::io::Error) {
+        if let Some(journal) = &mut self.journal {
+            journal.fail(error);
+        }
+    }
+
     /// Nothing is driven that is not recorded: the stop comes back whenever it is cleared.
     fn unrecorded(&mut self, error: &str, now: f64) {
         let run = self.session.as_ref().map(Session::run_state);

@@ -136,7 +136,7 @@ fn a_bridge_that_does_not_answer_is_left_at_once() {
     let run = LiveRun::new(plan, Host::new(0, 1, 0.0), None);
     let (requests, asked) = unbounded_channel();
     let (watch, shown) = (Stopwatch::start(), Arc::new(Shown::default()));
-    let mut keeper = Keeper { address, run, watch, shown, asked };
+    let mut keeper = Keeper { address, run, watch, shown, asked, syncing: None };
     requests.send(Request::Intent(Intent::Stop)).expect("it listens");
     requests.send(Request::Leave).expect("it listens");
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();

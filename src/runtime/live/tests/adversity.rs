@@ -37,6 +37,19 @@ fn a_full_disk_stops_the_robot_whenever_it_comes() {
     }
 }
 
+/// A record that was written and then did not reach the disk is no record either.
+#[test]
+fn a_record_that_does_not_reach_the_disk_stops_the_robot() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.until(20.0, |_| false);
+    rig.run.record_lost(std::io::Error::other("input/output error"));
+    rig.until(1.0, |_| false);
+    assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "it still moves");
+    let ending = rig.run.ending().expect("an ending");
+    assert!(ending.reason.contains("input/output error"), "{}", ending.reason);
+    assert!(rig.run.conclude().is_err(), "called whole");
+}
+
 /// A robot that was switched on late is there all the same; and a full disk is told of afterwards as well,
 /// however often the operator clears the stop.
 #[test]

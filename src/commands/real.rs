@@ -5,6 +5,7 @@ use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
 use crate::console::Keymap;
 use crate::console::driver::Driver;
+use crate::console::terminal;
 use crate::export::body;
 use crate::firmware::Device;
 use crate::geometry::Pose;
@@ -266,6 +267,8 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
         (Some(dir), _) | (None, Some(dir)) => dir.clone(),
         (None, None) => glue::state_folder()?,
     };
+    // Asked for first, so that a panic stops the robot before it writes to the terminal.
+    terminal::restore_before_reports();
     let (line, folder) = open(address, common, None, false, &out)?;
     let waiting = Snapshot::waiting(settings(common)?, address.to_string());
     let watch = Stopwatch::start();

@@ -11,6 +11,8 @@ use ratatui::backend::CrosstermBackend;
 use rustix::process::{Signal, kill_current_process_group};
 use std::io::{self, Write, stdout};
 use std::mem::ManuallyDrop;
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// A terminal that takes nothing for this long is left as it is.
@@ -31,12 +33,9 @@ impl Guard {
     /// # Errors
     /// When the terminal refuses.
     pub fn take() -> io::Result<Self> {
-        let report = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |panic| {
-            restore(&mut stdout());
-            report(panic);
-        }));
+        restore_before_reports();
         let screen = Screen::open()?;
+        TAKEN.store(true, Ordering::Release);
         enter(&mut screen.sheet())?;
         let terminal = Terminal::new(CrosstermBackend::new(screen.sheet()))?;
         Ok(Self { terminal: ManuallyDrop::new(terminal), screen })
@@ -71,6 +70,25 @@ impl Guard {
     }
 }
 
+/// Whether a console has the terminal.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// From now on a panic gives the terminal back before it is reported, if a console has it. That is a write,
+/// for which a terminal may let wait: who has something more urgent to do then asks for this first, and
+/// for its own turn afterwards.
+pub fn restore_before_reports() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let report = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if TAKEN.load(Ordering::Acquire) {
+                restore(&mut stdout());
+            }
+            report(panic);
+        }));
+    });
+}
+
 fn enter(terminal: &mut impl Write) -> io::Result<()> {
     enable_raw_mode()?;
     execute!(terminal, EnterAlternateScreen, EnableBracketedPaste, cursor::Hide)
@@ -78,6 +96,7 @@ fn enter(terminal: &mut impl Write) -> io::Result<()> {
 
 impl Drop for Guard {
     fn drop(&mut self) {
+        TAKEN.store(false, Ordering::Release);
         self.give_back();
     }
 }

@@ -9,7 +9,7 @@ pub mod snapshot;
 pub use replay::Replay;
 pub use snapshot::{Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
 
-use crate::mapping::event::{Event, EventKind, Severity};
+use crate::mapping::event::{Event, EventKind, Failure, Severity};
 use crate::mapping::map::Phase;
 use crate::mapping::mission::{Mission, Outcome, Output};
 use crate::mapping::settings::Settings;
@@ -30,6 +30,9 @@ pub enum Outgoing {
     /// A phase ended: the record is worth keeping safe now.
     PhaseEnded(Phase),
 }
+
+/// Decisions at one place, after which a mission that never moves is at fault.
+const DECISIONS: u32 = 1000;
 
 /// Events that are kept for the screen.
 const KEPT_EVENTS: usize = 500;
@@ -257,16 +260,15 @@ impl Session {
 
     /// Lets the mission decide as long as it is ready and allowed to.
     fn go_on(&mut self, out: &mut Vec<Outgoing>) {
-        // Bounded: a mission that decides without ever moving is at fault, and stops here.
-        for _ in 0..1000 {
+        for _ in 0..DECISIONS {
             let may = matches!(self.run, RunState::Running | RunState::Stepping(_));
             if may && self.mission.waits_for_place() {
                 // Nothing can be done before the operator says where the robot is.
                 self.run = RunState::Paused;
-                break;
+                return;
             }
             if !may || !self.heard || !self.mission.is_ready() {
-                break;
+                return;
             }
             let mut outputs = Vec::new();
             self.mission.proceed(&mut outputs);
@@ -277,6 +279,7 @@ impl Session {
             }
             self.judge(out);
         }
+        self.give_up("the core decides and decides, and never moves".to_owned(), out);
     }
 
     fn judge(&mut self, out: &mut Vec<Outgoing>) {
@@ -300,16 +303,19 @@ impl Session {
                         self.command = Some((command, why));
                         out.push(Outgoing::Command(command));
                     }
-                    Err(refusal) => {
-                        self.run = RunState::Stopped;
-                        self.gate.latch();
-                        let why = format!("command refused: {refusal}");
-                        self.note(EventKind::Reason { why }, out);
-                    }
+                    Err(refusal) => self.give_up(format!("command refused: {refusal}"), out),
                 },
                 Output::Event(event) => self.happened(event, out),
             }
         }
+    }
+
+    /// This program is at fault: the mission waits for what will not come, or decides and decides.
+    fn give_up(&mut self, what: String, out: &mut Vec<Outgoing>) {
+        out.push(Outgoing::Stop);
+        self.gate.latch();
+        self.run = RunState::Failed(Failure::Internal);
+        self.note(EventKind::Alarm { what }, out);
     }
 
     fn note(&mut self, kind: EventKind, out: &mut Vec<Outgoing>) {

@@ -408,6 +408,8 @@ pub enum Failure {
     TooManyBumps,
     /// The two wheels and the gyro contradict each other.
     WheelsLie,
+    /// This program contradicts itself.
+    Internal,
     /// The operator ended the run.
     Ended,
 }

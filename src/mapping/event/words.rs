@@ -21,6 +21,7 @@ impl fmt::Display for Failure {
                 "by its wheels the robot goes in curves where by its gyro it goes straight: see to \
                  the encoders, and to the wheel base of the chassis"
             }
+            Self::Internal => "this program is at fault; the log says what went wrong",
             Self::Ended => "ended by the operator",
         })
     }

@@ -216,7 +216,7 @@ impl Session {
                 out,
             ),
             Intent::Placed { near } => self.wish(
-                |mission, told| mission.placed(near, told),
+                |mission, told| !over && mission.placed(near, told),
                 "not while the robot moves, nor after the run: stop it first",
                 out,
             ),

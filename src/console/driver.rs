@@ -14,7 +14,8 @@ pub trait Driver {
     /// only when this has changed, or a key was pressed.
     fn version(&self) -> u64;
 
-    /// Takes a wish of the operator. [`Intent::Stop`] takes effect within this call.
+    /// Takes a wish of the operator, and never waits. With [`Intent::Stop`] a simulated robot is told to stop
+    /// within this call; to a real one it is then on its way, before everything else.
     fn intent(&mut self, intent: Intent);
 
     /// Lets `seconds` of the robot's time pass. What owns no time of its own (a real robot) does

@@ -17,11 +17,12 @@ use crate::runtime::line::Line;
 use crate::runtime::live::{Interrupted, LiveRun, Plan};
 use crate::runtime::progress::Bar;
 use crate::runtime::robot::SimulatedRobot;
-use crate::runtime::{Driven, Ending, OutputFolder, Progress, Signals, Stopwatch};
+use crate::runtime::{Driven, Ending, OutputFolder, Signals, Stopwatch};
 use crate::session::{Replay, Snapshot};
 use crate::simulator::Body;
 use std::fs::File;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The port that was asked for, if one was.
@@ -174,8 +175,8 @@ pub fn run(
         if let Some(ending) = line.ending(Duration::from_millis(20)) {
             break (ending, None);
         }
-        if let Some(snapshot) = line.snapshot() {
-            bar.show(&progress_of(&snapshot), watch.seconds());
+        if let Some(progress) = line.progress() {
+            bar.show(&progress, watch.seconds());
         }
     };
     bar.clear();
@@ -200,15 +201,6 @@ pub fn run(
     Ok(status)
 }
 
-fn progress_of(snapshot: &Snapshot) -> Progress {
-    Progress {
-        phase: snapshot.phase,
-        share: snapshot.progress[snapshot.phase as usize].share,
-        time: snapshot.time,
-        travel: snapshot.progress.iter().map(|phase| phase.travel).sum(),
-    }
-}
-
 /// Ends the record and writes the results; tells what was kept.
 fn write(run: &mut LiveRun<File>, ending: &Ending, folder: &OutputFolder, seconds: f64) -> Kept {
     let recorded = run.conclude();
@@ -228,7 +220,8 @@ struct LiveDriver {
 
 impl Driver for LiveDriver {
     fn snapshot(&self) -> Snapshot {
-        self.line.snapshot().unwrap_or_else(|| self.waiting.clone())
+        let shown = self.line.snapshot();
+        shown.map_or_else(|| self.waiting.clone(), Arc::unwrap_or_clone)
     }
 
     fn version(&self) -> u64 {

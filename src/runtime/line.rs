@@ -6,7 +6,7 @@
 mod syncing;
 
 use super::live::{Interrupted, LiveRun, Plan};
-use super::{Ending, Stopwatch};
+use super::{Ending, Progress, Stopwatch};
 use crate::link::{Address, PortError, Stream, port};
 use crate::robot::Intent;
 use crate::session::Snapshot;
@@ -29,6 +29,8 @@ const TICK: Duration = Duration::from_millis(5);
 const STUCK: f64 = 1.0;
 /// First and longest pause between attempts to open a port that went away, seconds.
 const BACKOFF: (f64, f64) = (0.25, 5.0);
+/// How far the run has come is told this often, seconds.
+const PROGRESS: f64 = 0.1;
 /// How long the last stop is given to leave, seconds.
 const FAREWELL: f64 = 0.3;
 
@@ -44,7 +46,8 @@ enum Request {
 /// What the control thread shows.
 #[derive(Default)]
 struct Shown {
-    snapshot: Mutex<Option<Snapshot>>,
+    snapshot: Mutex<Option<Arc<Snapshot>>>,
+    progress: Mutex<Option<Progress>>,
     ending: Mutex<Option<Ending>>,
     /// Told when there is an ending.
     ended: Condvar,
@@ -139,7 +142,8 @@ impl Line {
             None => run,
         };
         let syncing = Some(syncing);
-        let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked, syncing };
+        let mut keeper =
+            Keeper { address, run, watch, shown: shown.clone(), asked, syncing, progress_due: 0.0 };
         let thread = std::thread::Builder::new().name(CONTROL.to_owned()).spawn(move || {
             let keep = AssertUnwindSafe(|| runtime.block_on(keeper.keep(stream)));
             // The robot has its stop by then; what is known is still to be written.
@@ -171,9 +175,15 @@ impl Line {
 
     /// The newest picture of the state; none before the first.
     #[must_use]
-    pub fn snapshot(&self) -> Option<Snapshot> {
+    pub fn snapshot(&self) -> Option<Arc<Snapshot>> {
         self.shown.wanted.store(true, Ordering::Release);
         held(&self.shown.snapshot).clone()
+    }
+
+    /// How far the run has come; none before the robot is there. Costs its keeper no picture.
+    #[must_use]
+    pub fn progress(&self) -> Option<Progress> {
+        *held(&self.shown.progress)
     }
 
     /// Changes whenever there is another picture; to ask is to want one.
@@ -240,6 +250,7 @@ struct Keeper {
     shown: Arc<Shown>,
     asked: UnboundedReceiver<Request>,
     syncing: Option<Syncing>,
+    progress_due: f64,
 }
 
 impl Keeper {
@@ -410,10 +421,14 @@ impl Keeper {
             || (version != self.shown.version.load(Ordering::Acquire)
                 && self.shown.wanted.swap(false, Ordering::AcqRel))
         {
-            let snapshot = self.run.snapshot(now);
+            let snapshot = Arc::new(self.run.snapshot(now));
             *held(&self.shown.snapshot) = Some(snapshot);
             // Only now: whoever sees the new number finds the new picture.
             self.shown.version.store(version, Ordering::Release);
+        }
+        if now >= self.progress_due {
+            self.progress_due = now + PROGRESS;
+            *held(&self.shown.progress) = self.run.progress();
         }
         if let Some(ending) = self.run.ending() {
             held(&self.shown.ending).get_or_insert(ending);

@@ -28,11 +28,11 @@ struct Seen {
     went: f64,
     ending: Option<Ending>,
     /// What the screen shows last, looking as the console does.
-    shown: Option<Snapshot>,
+    shown: Option<Arc<Snapshot>>,
 }
 
 /// Looks as the console does, at every new picture, for so many seconds.
-fn look(line: &Line, seconds: f64) -> Option<Snapshot> {
+fn look(line: &Line, seconds: f64) -> Option<Arc<Snapshot>> {
     let watch = Stopwatch::start();
     let (mut drawn, mut shown) = (None, None);
     while watch.seconds() < seconds {
@@ -136,7 +136,7 @@ fn a_bridge_that_does_not_answer_is_left_at_once() {
     let run = LiveRun::new(plan, Host::new(0, 1, 0.0), None);
     let (requests, asked) = unbounded_channel();
     let (watch, shown) = (Stopwatch::start(), Arc::new(Shown::default()));
-    let mut keeper = Keeper { address, run, watch, shown, asked, syncing: None };
+    let mut keeper = Keeper { address, run, watch, shown, asked, syncing: None, progress_due: 0.0 };
     requests.send(Request::Intent(Intent::Stop)).expect("it listens");
     requests.send(Request::Leave).expect("it listens");
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();

@@ -6,7 +6,7 @@
 //! [`driver::Driver`], and sees of it only the [`crate::session::Snapshot`].
 //!
 //! Reading order: `action`, `key`, `keymap`; `model`, `command`, `update`; `theme`, `canvas`,
-//! `layout`, `view`; `frame` (a frame without a terminal); `driver`, `terminal`, `app`.
+//! `layout`, `view`; `frame` (a frame without a terminal); `driver`, `screen`, `terminal`, `app`.
 
 pub mod action;
 pub mod app;
@@ -19,6 +19,7 @@ pub mod keymap;
 pub mod layout;
 pub mod model;
 mod sanitize;
+pub mod screen;
 pub mod terminal;
 pub mod theme;
 pub mod update;

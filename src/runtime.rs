@@ -127,7 +127,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// Exit status: 0 complete, 1 short of the goal, 130 or 143 after a signal.
+    /// Exit status: 0 complete, 1 short of the goal, 129, 130 or 143 after a signal.
     #[must_use]
     pub fn status(&self) -> u8 {
         match (self.signal, self.ending.outcome) {

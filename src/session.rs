@@ -289,12 +289,12 @@ impl Session {
         self.keep(Event { time_us, kind: EventKind::Alarm { what } }, out);
     }
 
-    /// The program itself is at fault, as `why` says: the robot is stopped, and the run is over.
-    fn astray(&mut self, why: String, out: &mut Vec<Outgoing>) {
+    /// The program itself is at fault, as `what` says: the robot is stopped, and the run is over.
+    fn give_up(&mut self, what: String, out: &mut Vec<Outgoing>) {
         out.push(Outgoing::Stop);
         self.gate.latch();
         self.run = RunState::Failed(Failure::Internal);
-        self.note(EventKind::Alarm { what: why }, out);
+        self.note(EventKind::Alarm { what }, out);
         self.note(EventKind::Failed { why: Failure::Internal }, out);
     }
 
@@ -319,7 +319,7 @@ impl Session {
             }
             self.judge(out);
         }
-        self.astray("nothing moves although it is decided on and on".to_owned(), out);
+        self.give_up("nothing moves although it is decided on and on".to_owned(), out);
     }
 
     fn judge(&mut self, out: &mut Vec<Outgoing>) {
@@ -346,7 +346,7 @@ impl Session {
                         self.command = Some((command, why));
                         out.push(Outgoing::Command(command));
                     }
-                    Err(refusal) => self.astray(format!("command refused: {refusal}"), out),
+                    Err(refusal) => self.give_up(format!("command refused: {refusal}"), out),
                 },
                 Output::Event(event) => self.happened(event, out),
             }

@@ -72,6 +72,9 @@ enum End {
     /// The console's terminal is gone: nothing can be read from it or written to it any more, and no
     /// signal tells.
     TerminalGone,
+    /// The console's terminal is there and takes nothing more, as over a connection that stalls. Once the
+    /// robot stands, the program gets a signal.
+    TerminalStuck,
 }
 
 /// What the robot's side saw.
@@ -115,7 +118,7 @@ fn ended_by(end: End) -> Seen {
         let mut screen = [0_u8; 4096];
         let mut begun: Option<(f64, periplus::geometry::Point)> = None;
         let mut still: Option<f64> = None;
-        let mut asleep = end == End::Suspended;
+        let mut asleep = matches!(end, End::Suspended | End::TerminalStuck);
         let mut woken: Option<f64> = None;
         let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, status: None, ended: f64::NAN };
         for _ in 0..1500 {
@@ -126,8 +129,11 @@ fn ended_by(end: End) -> Seen {
                     device.receive(&bytes[..count]);
                 }
                 _ = tick.tick() => {
+                    let stuck = end == End::TerminalStuck && begun.is_some();
                     if let Some(terminal) = &mut terminal {
-                        while terminal.read(&mut screen).is_ok_and(|count| count > 0) {}
+                        // All is drawn anew, and again, until no more goes in.
+                        if stuck { let _ = terminal.write(b"\x0c"); }
+                        while !stuck && terminal.read(&mut screen).is_ok_and(|count| count > 0) {}
                     }
                     let before = body.true_pose().position;
                     device.step(&mut body, |_, _| {});
@@ -159,6 +165,7 @@ fn ended_by(end: End) -> Seen {
                         keys.write_all(b"\x1a").expect("the terminal takes it");
                     }
                     End::TerminalGone => terminal = None,
+                    End::TerminalStuck => {}
                 }
                 begun = Some((watch.seconds(), body.true_pose().position));
             }
@@ -175,8 +182,12 @@ fn ended_by(end: End) -> Seen {
             {
                 (seen.stopped, seen.went) = (still - from, (body.true_pose().position - at).norm());
                 asleep = false;
-                kill(&child, "-CONT");
-                woken = Some(watch.seconds());
+                if end == End::TerminalStuck {
+                    kill(&child, "-TERM");
+                } else {
+                    kill(&child, "-CONT");
+                    woken = Some(watch.seconds());
+                }
             }
             // It has taken the terminal on again.
             if woken.take_if(|at| watch.seconds() - *at > 1.0).is_some() {
@@ -244,6 +255,7 @@ fn name_of(end: End) -> String {
         End::Quit => "line-quit".to_owned(),
         End::Suspended => "line-suspended".to_owned(),
         End::TerminalGone => "line-gone".to_owned(),
+        End::TerminalStuck => "line-stuck".to_owned(),
     }
 }
 
@@ -261,6 +273,26 @@ fn a_console_that_is_left_or_loses_its_terminal_stops_the_robot() {
         let record = periplus::journal::read(&place_of(end)).expect("a record");
         assert!(!record.records.is_empty(), "{end:?}: nothing was kept");
     }
+}
+
+/// Nobody sees what is written to a terminal that takes nothing: the robot does not drive on alone, and the
+/// program is not deaf.
+#[test]
+fn a_console_whose_terminal_takes_nothing_stops_the_robot_and_can_be_ended() {
+    let seen = ended_by(End::TerminalStuck);
+    // The terminal is full after two or three frames; a second later the robot is stopped, and brakes.
+    assert!(seen.stopped < 2.2, "still driving after {} s", seen.stopped);
+    assert!(seen.went < 0.4, "{} m", seen.went);
+    assert_eq!(seen.status, Some(143));
+    let folder = place_of(End::TerminalStuck);
+    for file in ["journal", "report.json", "map.geojson"] {
+        assert!(folder.join(file).is_file(), "no {file}");
+    }
+    let record = periplus::journal::read(&folder).expect("a record");
+    let told = record.records.iter().any(|record| {
+        matches!(&record.entry, Entry::Event(event) if event.kind.to_string().contains("console"))
+    });
+    assert!(told, "the record does not say why");
 }
 
 /// Nobody looks at a console that sleeps: the robot stands before it does, and stays where it is.

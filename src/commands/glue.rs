@@ -11,7 +11,7 @@ use crate::journal::{Header, Journal, Recording};
 use crate::runtime::driver::{RealClock, SimulatedDriver};
 use crate::runtime::recorded::RecordedDriver;
 use crate::runtime::simulated::{Headless, SimulatedRun};
-use crate::runtime::{OutputFolder, Runner};
+use crate::runtime::{OutputFolder, Runner, Signals};
 use crate::session::Replay;
 use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
@@ -107,7 +107,9 @@ pub(super) fn on_screen(
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime =
         runtime.map_err(|source| CommandError::System { what: "the event loop", source })?;
-    Ok(runtime.block_on(app::run(driver, options, &mut RealClock::start())))
+    let signals = Signals::listen()
+        .map_err(|source| CommandError::System { what: "listening for signals", source })?;
+    Ok(runtime.block_on(app::run(driver, options, &mut RealClock::start(signals))))
 }
 
 /// Exit status after the console was left; `status` when it was left in peace.

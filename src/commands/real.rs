@@ -5,6 +5,7 @@ use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
 use crate::console::Keymap;
 use crate::console::driver::Driver;
+use crate::console::terminal;
 use crate::export::body;
 use crate::firmware::Device;
 use crate::geometry::Pose;
@@ -16,11 +17,12 @@ use crate::runtime::line::Line;
 use crate::runtime::live::{Interrupted, LiveRun, Plan};
 use crate::runtime::progress::Bar;
 use crate::runtime::robot::SimulatedRobot;
-use crate::runtime::{Driven, Ending, OutputFolder, Progress, Signals, Stopwatch};
+use crate::runtime::{Driven, Ending, OutputFolder, Signals, Stopwatch};
 use crate::session::{Replay, Snapshot};
 use crate::simulator::Body;
 use std::fs::File;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The port that was asked for, if one was.
@@ -174,8 +176,8 @@ pub fn run(
         if let Some(ending) = line.ending(Duration::from_millis(20)) {
             break (ending, None);
         }
-        if let Some(snapshot) = line.snapshot() {
-            bar.show(&progress_of(&snapshot), watch.seconds());
+        if let Some(progress) = line.progress() {
+            bar.show(&progress, watch.seconds());
         }
     };
     bar.clear();
@@ -200,15 +202,6 @@ pub fn run(
     Ok(status)
 }
 
-fn progress_of(snapshot: &Snapshot) -> Progress {
-    Progress {
-        phase: snapshot.phase,
-        share: snapshot.progress[snapshot.phase as usize].share,
-        time: snapshot.time,
-        travel: snapshot.progress.iter().map(|phase| phase.travel).sum(),
-    }
-}
-
 /// Ends the record and writes the results; tells what was kept.
 fn write(run: &mut LiveRun<File>, ending: &Ending, folder: &OutputFolder, seconds: f64) -> Kept {
     let recorded = run.conclude();
@@ -228,7 +221,8 @@ struct LiveDriver {
 
 impl Driver for LiveDriver {
     fn snapshot(&self) -> Snapshot {
-        self.line.snapshot().unwrap_or_else(|| self.waiting.clone())
+        let shown = self.line.snapshot();
+        shown.map_or_else(|| self.waiting.clone(), Arc::unwrap_or_clone)
     }
 
     fn version(&self) -> u64 {
@@ -240,6 +234,10 @@ impl Driver for LiveDriver {
     }
 
     fn advance(&mut self, _seconds: f64) {}
+
+    fn attended(&mut self) {
+        self.line.attended();
+    }
 
     fn failure(&self) -> Option<String> {
         self.line.failure()
@@ -263,6 +261,8 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
         (Some(dir), _) | (None, Some(dir)) => dir.clone(),
         (None, None) => glue::state_folder()?,
     };
+    // Asked for first, so that a panic stops the robot before it writes to the terminal.
+    terminal::restore_before_reports();
     let (line, folder) = open(address, common, None, false, &out)?;
     let waiting = Snapshot::waiting(settings(common)?, address.to_string());
     let watch = Stopwatch::start();

@@ -1,5 +1,5 @@
 //! The console's loop: keys in, intents out, time on, frames when something changed. It never
-//! waits for the robot, and draws at most thirty frames a second.
+//! waits for the robot nor for the terminal, and draws at most thirty frames a second.
 
 use super::driver::Clock;
 use super::driver::Driver;
@@ -15,7 +15,6 @@ use crossterm::event::{Event, EventStream, KeyEventKind};
 use futures::StreamExt;
 use std::io;
 use std::time::Duration;
-use tokio::signal::unix::{SignalKind, signal};
 
 /// A frame at most this often.
 const FRAME: Duration = Duration::from_millis(33);
@@ -82,9 +81,6 @@ async fn turn(
     }
     let theme = if options.colour { Theme::colour() } else { Theme::mono() };
     let mut keys = EventStream::new();
-    let mut interrupt = signal(SignalKind::interrupt())?;
-    let mut terminate = signal(SignalKind::terminate())?;
-    let mut hangup = signal(SignalKind::hangup())?;
     let mut tick = clock.ticker(FRAME);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
     let mut drawn: Option<(u64, Model)> = None;
@@ -114,10 +110,14 @@ async fn turn(
                     }
                 }
             }
-            _ = interrupt.recv() => return Ok(Ending::Signal(2)),
-            _ = terminate.recv() => return Ok(Ending::Signal(15)),
-            _ = hangup.recv() => return Ok(Ending::Signal(1)),
             _ = tick.tick() => {}
+        }
+        if let Some(signal) = clock.signal() {
+            return Ok(Ending::Signal(signal));
+        }
+        guard.screen.check()?;
+        if guard.screen.keeps_up() {
+            driver.attended();
         }
         pass_time(driver, &model, clock);
         if let Some(why) = driver.failure() {
@@ -125,7 +125,7 @@ async fn turn(
         }
         let version = driver.version();
         let fresh = drawn.as_ref().is_none_or(|(v, m)| *v != version || *m != model);
-        if fresh && clock.frame_is_due(FRAME) {
+        if fresh && guard.screen.is_idle() && clock.frame_is_due(FRAME) {
             snapshot = driver.snapshot();
             guard.terminal.draw(|frame| {
                 view::draw(&model, &snapshot, &theme, frame.area(), frame.buffer_mut());

@@ -14,12 +14,17 @@ pub trait Driver {
     /// only when this has changed, or a key was pressed.
     fn version(&self) -> u64;
 
-    /// Takes a wish of the operator. [`Intent::Stop`] takes effect within this call.
+    /// Takes a wish of the operator, and never waits. With [`Intent::Stop`] a simulated robot is told to stop
+    /// within this call; to a real one it is then on its way, before everything else.
     fn intent(&mut self, intent: Intent);
 
     /// Lets `seconds` of the robot's time pass. What owns no time of its own (a real robot) does
     /// here what is due; a paused simulator lets the command in hand end and then stands still.
     fn advance(&mut self, seconds: f64);
+
+    /// The operator sees how things are, and what they press is heard. To be called again and again; what
+    /// drives by itself stops when nobody calls.
+    fn attended(&mut self) {}
 
     /// Why the run cannot go on, when what runs it has failed.
     fn failure(&self) -> Option<String> {
@@ -97,7 +102,7 @@ impl std::fmt::Display for Speed {
     }
 }
 
-/// Real time, for the loop; the clock itself lives in the runtime.
+/// Real time and what asks the program to end, for the loop; both live in the runtime.
 pub trait Clock {
     /// Real time since this was asked last; the time that may be spent begins here.
     fn since_last(&mut self) -> std::time::Duration;
@@ -110,4 +115,7 @@ pub trait Clock {
 
     /// Whether `pause` went by since this last said yes.
     fn frame_is_due(&mut self, pause: std::time::Duration) -> bool;
+
+    /// The number of the signal that asked the program to end, if one did.
+    fn signal(&self) -> Option<u8>;
 }

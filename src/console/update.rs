@@ -37,9 +37,6 @@ const ZOOM: f64 = 1.25;
 /// The share of the view that one key pans.
 const PAN: f64 = 0.125;
 
-/// A robot that was not heard for so long is not told to drive on, seconds.
-const SILENT: f64 = 2.0;
-
 /// Whether leaving now would leave a moving robot behind.
 #[must_use]
 pub fn may_move(snapshot: &Snapshot) -> bool {
@@ -173,12 +170,6 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
         RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }
-    if let Known::Stale { age, .. } = snapshot.robot
-        && age > SILENT
-    {
-        let text = format!("not heard for {age:.0} s: see to the link, or quit and --resume");
-        return refuse(model, text);
-    }
     let intent = match action {
         Action::StepCommand => Intent::StepCommand,
         Action::StepEvent => Intent::StepEvent,
@@ -186,6 +177,13 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         _ if snapshot.run == RunState::Paused => Intent::Run,
         _ => Intent::Pause,
     };
+    // A robot that is not there is not told to drive; that it is to pause can do no harm.
+    if let Known::Stale { age, .. } = snapshot.robot
+        && intent != Intent::Pause
+    {
+        let text = format!("not heard for {age:.1} s: see to the link, or quit and --resume");
+        return refuse(model, text);
+    }
     vec![Effect::Intent(intent)]
 }
 

@@ -199,7 +199,8 @@ impl Device {
                 if self.session.is_some() {
                     self.unconfirmed.push_back((event, telemetry));
                     if self.unconfirmed.len() > KEPT {
-                        // The story has a hole: let it be known as one that begins anew.
+                        // The story has a hole: let it be known as one that begins anew, and go nowhere.
+                        self.firmware.stop();
                         self.unconfirmed.clear();
                         self.boot = self.boot.wrapping_add(1);
                         self.session = None;

@@ -105,6 +105,11 @@ impl<W: Write> Journal<W> {
         self.buffer.clear();
     }
 
+    /// What was handed on is lost, for this reason; the rest of the record is left out.
+    pub fn fail(&mut self, error: io::Error) {
+        self.failed.get_or_insert(error);
+    }
+
     /// The first error, if any: what was recorded after it is lost.
     pub fn error(&self) -> Option<&io::Error> {
         self.failed.as_ref()

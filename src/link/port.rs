@@ -4,12 +4,16 @@
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
+use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio_serial::{ClearBuffer, SerialPort, SerialPortBuilderExt, SerialPortType, SerialStream};
 
 /// The speed of a serial port when nothing is said.
 pub const BAUD: u32 = 115_200;
+
+/// A bridge that has not answered after this long is not there; the system itself would wait for minutes.
+const REACH: Duration = Duration::from_secs(5);
 
 /// Where a robot can be reached.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -113,7 +117,7 @@ pub enum PortError {
 pub trait Stream: AsyncRead + AsyncWrite + Unpin + Send {}
 impl<T: AsyncRead + AsyncWrite + Unpin + Send> Stream for T {}
 
-/// Opens the port for a host.
+/// Opens the port for a host; waits 5 s at most for a bridge.
 ///
 /// # Errors
 /// When it is not there, not free, or not to be reached.
@@ -128,8 +132,11 @@ pub async fn open(address: &Address) -> Result<Box<dyn Stream>, PortError> {
         Address::Tcp { place } => {
             let refused =
                 |reason: String| PortError::Unreachable { port: address.to_string(), reason };
-            let stream =
-                TcpStream::connect(place).await.map_err(|error| refused(error.to_string()))?;
+            let reached = tokio::time::timeout(REACH, TcpStream::connect(place)).await;
+            let Ok(stream) = reached else {
+                return Err(refused("no answer".to_owned()));
+            };
+            let stream = stream.map_err(|error| refused(error.to_string()))?;
             stream.set_nodelay(true).map_err(|error| refused(error.to_string()))?;
             Ok(Box::new(stream))
         }

@@ -1,7 +1,7 @@
 //! The console's driver over a simulated run, and the console's clock.
 
-use super::Stopwatch;
 use super::simulated::SimulatedRun;
+use super::{Signals, Stopwatch};
 use crate::console::driver::{Clock, Driver};
 use crate::firmware::STEP;
 use crate::robot::Intent;
@@ -69,9 +69,10 @@ impl<W: Write> Driver for SimulatedDriver<W> {
     }
 }
 
-/// Real time for the console's loop.
+/// Real time and signals for the console's loop.
 pub struct RealClock {
     watch: Stopwatch,
+    signals: Signals,
     last: f64,
     frame: f64,
 }
@@ -79,8 +80,8 @@ pub struct RealClock {
 impl RealClock {
     /// Starts now.
     #[must_use]
-    pub fn start() -> Self {
-        Self { watch: Stopwatch::start(), last: 0.0, frame: -1.0 }
+    pub fn start(signals: Signals) -> Self {
+        Self { watch: Stopwatch::start(), signals, last: 0.0, frame: -1.0 }
     }
 }
 
@@ -107,5 +108,9 @@ impl Clock for RealClock {
             self.frame = now;
         }
         due
+    }
+
+    fn signal(&self) -> Option<u8> {
+        self.signals.received().map(super::Signal::number)
     }
 }

@@ -1,9 +1,12 @@
 //! The task that keeps a real robot: it alone reads and writes the port, on a thread of its own, so
-//! that neither the screen nor the disk can keep it from its heartbeat. The rest of the program
-//! gives it intents and takes pictures of its state.
+//! that the screen cannot keep it from its heartbeat. The rest of the program gives it intents and takes
+//! pictures of its state. What it decides it decides here, and it hands the record on here as well, before a
+//! command leaves: a plan that takes long, or a disk, does keep it, and the robot then stands by itself.
+
+mod syncing;
 
 use super::live::{Interrupted, LiveRun, Plan};
-use super::{Ending, Stopwatch};
+use super::{Ending, Progress, Stopwatch};
 use crate::link::{Address, PortError, Stream, port};
 use crate::robot::Intent;
 use crate::session::Snapshot;
@@ -16,6 +19,7 @@ use std::sync::{Arc, Condvar, Mutex, Once, PoisonError};
 use std::task::{Context, Waker};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use syncing::Syncing;
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
@@ -25,6 +29,8 @@ const TICK: Duration = Duration::from_millis(5);
 const STUCK: f64 = 1.0;
 /// First and longest pause between attempts to open a port that went away, seconds.
 const BACKOFF: (f64, f64) = (0.25, 5.0);
+/// How far the run has come is told this often, seconds.
+const PROGRESS: f64 = 0.1;
 /// How long the last stop is given to leave, seconds.
 const FAREWELL: f64 = 0.3;
 
@@ -40,7 +46,8 @@ enum Request {
 /// What the control thread shows.
 #[derive(Default)]
 struct Shown {
-    snapshot: Mutex<Option<Snapshot>>,
+    snapshot: Mutex<Option<Arc<Snapshot>>>,
+    progress: Mutex<Option<Progress>>,
     ending: Mutex<Option<Ending>>,
     /// Told when there is an ending.
     ended: Condvar,
@@ -50,12 +57,15 @@ struct Shown {
     version: AtomicU64,
     /// Somebody looks, and would see a newer picture.
     wanted: AtomicBool,
+    /// When an operator was there last, microseconds of the line's clock; 0 when none ever was.
+    attended: AtomicU64,
 }
 
 /// A robot at the end of a line, kept by a thread.
 pub struct Line {
     requests: UnboundedSender<Request>,
     shown: Arc<Shown>,
+    watch: Stopwatch,
     thread: Option<JoinHandle<LiveRun<File>>>,
 }
 
@@ -107,7 +117,13 @@ impl Line {
             reason: error.to_string(),
         };
         let runtime = runtime.map_err(failed)?;
-        let stream = runtime.block_on(port::open(&address))?;
+        let stream = match runtime.block_on(port::open(&address)) {
+            Ok(stream) => stream,
+            Err(error) => {
+                runtime.shutdown_background();
+                return Err(error);
+            }
+        };
         let (requests, asked) = unbounded_channel();
         stop_before_reports();
         let mut keepers = held(&KEEPERS);
@@ -119,27 +135,30 @@ impl Line {
         // Tells this conversation from the one before; nothing else depends on it.
         let session = (std::process::id() ^ (journal_age(&journal) as u32).rotate_left(16)) | 1;
         let host = Host::new(address.baud(), session, 0.0);
-        let syncing = sync_thread(&journal);
+        let syncing = Syncing::of(&journal).map_err(failed)?;
         let run = LiveRun::new(plan, host, Some(journal));
         let run = match interrupted {
             Some(interrupted) => run.going_on(interrupted),
             None => run,
         };
-        let mut keeper = Keeper { address, run, watch, shown: shown.clone(), asked };
+        let syncing = Some(syncing);
+        let mut keeper =
+            Keeper { address, run, watch, shown: shown.clone(), asked, syncing, progress_due: 0.0 };
         let thread = std::thread::Builder::new().name(CONTROL.to_owned()).spawn(move || {
             let keep = AssertUnwindSafe(|| runtime.block_on(keeper.keep(stream)));
             // The robot has its stop by then; what is known is still to be written.
             if let Err(panic) = catch_unwind(keep) {
                 keeper.failed(panic.as_ref());
             }
-            drop(syncing);
-            keeper.run
+            // A name that is still being looked up is not waited for.
+            runtime.shutdown_background();
+            keeper.into_run()
         });
         let thread = thread.map_err(|error| PortError::Refused {
             port: "control thread".to_owned(),
             reason: error.to_string(),
         })?;
-        Ok(Self { requests, shown, thread: Some(thread) })
+        Ok(Self { requests, shown, watch, thread: Some(thread) })
     }
 
     /// Gives the robot's keeper a wish of the operator; never waits.
@@ -147,11 +166,24 @@ impl Line {
         let _ = self.requests.send(Request::Intent(intent));
     }
 
+    /// An operator sees how things are, and is heard. From the first time on the robot is stopped when this
+    /// is not said again within a second.
+    pub fn attended(&self) {
+        let now = (self.watch.seconds() * 1e6) as u64;
+        self.shown.attended.store(now.max(1), Ordering::Release);
+    }
+
     /// The newest picture of the state; none before the first.
     #[must_use]
-    pub fn snapshot(&self) -> Option<Snapshot> {
+    pub fn snapshot(&self) -> Option<Arc<Snapshot>> {
         self.shown.wanted.store(true, Ordering::Release);
         held(&self.shown.snapshot).clone()
+    }
+
+    /// How far the run has come; none before the robot is there. Costs its keeper no picture.
+    #[must_use]
+    pub fn progress(&self) -> Option<Progress> {
+        *held(&self.shown.progress)
     }
 
     /// Changes whenever there is another picture; to ask is to want one.
@@ -198,27 +230,6 @@ fn journal_age(journal: &File) -> u128 {
     created.and_then(|time| time.elapsed().ok()).map_or(0, |age| age.as_nanos())
 }
 
-/// Brings the record to the disk once a second, beside the control thread; ends when dropped.
-struct Syncing(
-    #[expect(dead_code, reason = "its end is what the thread waits for")]
-    std::sync::mpsc::Sender<()>,
-);
-
-fn sync_thread(journal: &File) -> Option<Syncing> {
-    let file = journal.try_clone().ok()?;
-    let (end, ended) = std::sync::mpsc::channel();
-    let body = move || {
-        while ended.recv_timeout(Duration::from_secs(1))
-            == Err(std::sync::mpsc::RecvTimeoutError::Timeout)
-        {
-            let _ = file.sync_data();
-        }
-        let _ = file.sync_data();
-    };
-    std::thread::Builder::new().name("record".to_owned()).spawn(body).ok()?;
-    Some(Syncing(end))
-}
-
 /// What is written to. Should this program fail, its last word to the robot is to stop.
 struct LastWord<W: AsyncWrite + Unpin>(W);
 
@@ -238,6 +249,8 @@ struct Keeper {
     watch: Stopwatch,
     shown: Arc<Shown>,
     asked: UnboundedReceiver<Request>,
+    syncing: Option<Syncing>,
+    progress_due: f64,
 }
 
 impl Keeper {
@@ -246,37 +259,57 @@ impl Keeper {
     }
 
     /// Keeps the robot until it is told to leave.
-    async fn keep(&mut self, stream: Box<dyn Stream>) {
-        let mut stream = Some(stream);
-        let mut pause = BACKOFF.0;
-        loop {
-            if let Some(open) = stream.take() {
-                if self.converse(open).await {
+    async fn keep(&mut self, mut stream: Box<dyn Stream>) {
+        let address = self.address.clone();
+        while !self.converse(stream).await {
+            // The port is gone: try again, ever less often.
+            let mut pause = BACKOFF.0;
+            stream = loop {
+                let pausing = tokio::time::sleep(Duration::from_secs_f64(pause));
+                if self.meanwhile(pausing).await.is_none() {
                     return;
                 }
-                pause = BACKOFF.0;
-            }
-            // The port is gone: try again, ever less often, and stay open for requests.
-            let until = self.now() + pause;
-            pause = (pause * 2.0).min(BACKOFF.1);
-            while self.now() < until {
-                tokio::select! {
-                    request = self.asked.recv() => {
-                        if self.ask(request.as_ref()) { return; }
-                    }
-                    () = tokio::time::sleep(TICK * 4) => {}
+                match self.meanwhile(port::open(&address)).await {
+                    Some(Ok(open)) => break open,
+                    Some(Err(_)) => pause = (pause * 2.0).min(BACKOFF.1),
+                    None => return,
                 }
-                let now = self.now();
-                self.run.tick(now);
-                let _ = self.run.take_output();
-                self.show();
-            }
-            if let Ok(open) = port::open(&self.address).await {
-                let now = self.now();
-                self.run.reopened(now);
-                stream = Some(open);
-            }
+            };
+            let now = self.now();
+            self.run.reopened(now);
         }
+    }
+
+    /// Waits for `what` without a port, open for requests; none when told to leave, however long `what`
+    /// would have taken.
+    async fn meanwhile<T>(&mut self, what: impl Future<Output = T>) -> Option<T> {
+        let mut what = std::pin::pin!(what);
+        loop {
+            tokio::select! {
+                biased;
+                request = self.asked.recv() => {
+                    if self.ask(request.as_ref()) { return None; }
+                }
+                done = &mut what => return Some(done),
+                () = tokio::time::sleep(TICK * 4) => {}
+            }
+            let now = self.now();
+            self.tick(now);
+            let _ = self.run.take_output();
+            self.show();
+        }
+    }
+
+    /// Lets the time pass.
+    fn tick(&mut self, now: f64) {
+        let attended = self.shown.attended.load(Ordering::Acquire);
+        if attended > 0 {
+            self.run.attended(attended as f64 * 1e-6);
+        }
+        if let Some(error) = self.syncing.as_ref().and_then(Syncing::failure) {
+            self.run.record_lost(error);
+        }
+        self.run.tick(now);
     }
 
     /// Takes a request; true when it is to leave.
@@ -291,6 +324,15 @@ impl Keeper {
             #[cfg(test)]
             Some(Request::Panic) => panic!("asked to"),
         }
+    }
+
+    /// The run, with its record on the disk as far as it goes.
+    fn into_run(mut self) -> LiveRun<File> {
+        self.run.hand_record_on();
+        if let Some(error) = self.syncing.take().and_then(Syncing::end) {
+            self.run.record_lost(error);
+        }
+        self.run
     }
 
     /// This program failed while it kept the robot: nothing more can be done but to say so.
@@ -315,7 +357,8 @@ impl Keeper {
         let mut to = LastWord(to);
         let mut tick = tokio::time::interval(TICK);
         tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-        let mut bytes = [0_u8; 1024];
+        // As much as a port keeps while nobody reads it.
+        let mut bytes = [0_u8; 4096];
         let mut waiting: Vec<u8> = Vec::new();
         let mut progress = self.now();
         let mut leaving: Option<f64> = None;
@@ -346,7 +389,7 @@ impl Keeper {
                 _ = tick.tick() => {}
             }
             let now = self.now();
-            self.run.tick(now);
+            self.tick(now);
             let fresh = self.run.take_output();
             if fresh.first() == Some(&STOP) {
                 // Nothing that is still waiting may leave before a stop; a line cut short is dropped.
@@ -378,10 +421,14 @@ impl Keeper {
             || (version != self.shown.version.load(Ordering::Acquire)
                 && self.shown.wanted.swap(false, Ordering::AcqRel))
         {
-            let snapshot = self.run.snapshot(now);
+            let snapshot = Arc::new(self.run.snapshot(now));
             *held(&self.shown.snapshot) = Some(snapshot);
             // Only now: whoever sees the new number finds the new picture.
             self.shown.version.store(version, Ordering::Release);
+        }
+        if now >= self.progress_due {
+            self.progress_due = now + PROGRESS;
+            *held(&self.shown.progress) = self.run.progress();
         }
         if let Some(ending) = self.run.ending() {
             held(&self.shown.ending).get_or_insert(ending);

@@ -2,6 +2,7 @@
 //! writes the port is [`super::line`]; the tests put a faulty line and a simulated robot in its place.
 
 mod anew;
+mod attended;
 mod restart;
 mod telling;
 
@@ -12,7 +13,7 @@ use crate::journal::{Header, Journal, Life, RobotMark};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
-use crate::session::{Outgoing, Session};
+use crate::session::{Outgoing, RunState, Session};
 use crate::wire::host::Identity;
 use crate::wire::{Health, Heard, Host};
 use restart::Restart;
@@ -73,10 +74,16 @@ pub struct LiveRun<W: Write> {
     carried: Option<Intent>,
     /// Why a command was refused, and when that ends the run, if nothing else is heard before.
     refused: Option<(f64, String)>,
-    /// A command that waits for the line to be sound.
+    /// A command that waits to be recorded, and for the line to be sound.
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
     ended: Option<Ending>,
+    /// It goes on by itself once the robot is there and stands still; a stop before that takes it back.
+    goes_on: bool,
+    /// The record cannot be written, and that was told.
+    unrecorded: bool,
+    /// When an operator was there last; none when nobody has to be.
+    attended: Option<f64>,
     map: RoomMap,
     version: u64,
 }
@@ -86,6 +93,7 @@ impl<W: Write> LiveRun<W> {
     #[must_use]
     pub fn new(plan: Plan, host: Host, out: Option<W>) -> Self {
         Self {
+            goes_on: plan.at_once,
             plan,
             host,
             session: None,
@@ -102,6 +110,8 @@ impl<W: Write> LiveRun<W> {
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             ended: None,
+            unrecorded: false,
+            attended: None,
             map: RoomMap::default(),
             version: 0,
         }
@@ -140,24 +150,42 @@ impl<W: Write> LiveRun<W> {
     pub fn tick(&mut self, now: f64) {
         self.host.tick(now, &mut self.heard);
         self.take_heard(now);
-        if let Some(command) = self.held
-            && self.host.is_sound(now)
-        {
-            self.held = None;
-            self.host.send(command, now);
-        }
+        self.mind_the_operator(now);
+        self.send_held(now);
         if let Some((_, why)) = self.refused.take_if(|(due, _)| now >= *due) {
             self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
         }
-        let failed = self.journal.as_ref().and_then(|journal| journal.error());
-        if let Some(error) = failed
-            && self.ended.is_none()
-        {
-            let reason = format!("the record cannot be written: {error}; the robot was stopped");
-            self.stop(now);
-            self.remark(reason.clone(), now);
-            self.end(Outcome::Failed, reason);
+        if let Some(error) = self.record_error() {
+            self.unrecorded(&error, now);
         }
+    }
+
+    /// Hands on all that is recorded so far.
+    pub fn hand_record_on(&mut self) {
+        if let Some(journal) = &mut self.journal {
+            journal.flush();
+        }
+    }
+
+    /// What was recorded has not reached the disk: the record counts as failed from now on.
+    pub fn record_lost(&mut self, error: std::io::Error) {
+        if let Some(journal) = &mut self.journal {
+            journal.fail(error);
+        }
+    }
+
+    /// Nothing is driven that is not recorded: the stop comes back whenever it is cleared.
+    fn unrecorded(&mut self, error: &str, now: f64) {
+        let run = self.session.as_ref().map(Session::run_state);
+        let told = run == Some(RunState::Stopped) || run.is_some_and(RunState::is_over);
+        if told && self.unrecorded {
+            return;
+        }
+        self.unrecorded = true;
+        let reason = format!("the record cannot be written: {error}; the robot was stopped");
+        self.stop(now);
+        self.remark(reason.clone(), now);
+        self.end(Outcome::Failed, reason);
     }
 
     /// The port is gone.
@@ -174,6 +202,7 @@ impl<W: Write> LiveRun<W> {
 
     /// Takes a wish of the operator. A stop leaves with the next bytes, before everything else.
     pub fn intent(&mut self, intent: Intent, now: f64) {
+        self.goes_on &= intent != Intent::Stop;
         let Some(session) = &mut self.session else {
             if intent == Intent::Stop {
                 self.host.stop(now);
@@ -239,6 +268,11 @@ impl<W: Write> LiveRun<W> {
     }
 
     fn begin(&mut self, identity: &Identity, now: f64) {
+        if self.unrecorded {
+            return;
+        }
+        // Whatever kept it away so long, it is there.
+        self.ended = None;
         let mut settings = self.plan.settings.clone();
         settings.chassis = identity.chassis.clone();
         let source = format!("{} on {}", identity.name, self.plan.port);
@@ -250,13 +284,14 @@ impl<W: Write> LiveRun<W> {
             match Journal::begin(out, &header) {
                 Ok(journal) => self.journal = Some(journal),
                 Err(error) => {
+                    self.unrecorded = true;
                     let reason = format!("the record cannot be written: {error}");
                     return self.end(Outcome::Failed, reason);
                 }
             }
         }
         self.session = Some(Session::new(header.settings, source, until.unwrap_or(Phase::Objects)));
-        if self.plan.at_once {
+        if std::mem::take(&mut self.goes_on) {
             self.intent(Intent::Run, now);
         }
     }
@@ -268,9 +303,6 @@ impl<W: Write> LiveRun<W> {
                 // Tell, halt, latch.
                 self.remark(format!("link lost: {why}"), now);
                 self.stop(now);
-                if let Some(command) = self.held.take() {
-                    self.not_begun(command.id, now);
-                }
                 if self.plan.at_once || self.session.is_none() {
                     self.end(Outcome::Failed, format!("link lost: {why}"));
                 }
@@ -357,39 +389,52 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// Takes what left the session, in its order: it is recorded, stops leave at once, and a command when
+    /// it may.
     fn deliver(&mut self, now: f64) {
         let Some(session) = &self.session else { return };
-        let mut commands = Vec::new();
-        let mut stops = false;
+        let mut overtaken = None;
         for outgoing in std::mem::take(&mut self.outgoing) {
             keep(&mut self.journal, session, &outgoing);
             match outgoing {
-                Outgoing::Command(command) => commands.push(command),
-                Outgoing::Stop => stops = true,
+                Outgoing::Command(command) => self.held = Some(command),
+                Outgoing::Stop => {
+                    self.host.stop(now);
+                    overtaken = self.held.take().or(overtaken);
+                }
                 Outgoing::Event(_) | Outgoing::PhaseEnded(_) => {}
             }
-        }
-        if stops {
-            self.host.stop(now);
         }
         if let Some(journal) = &mut self.journal {
             // Written before the command leaves: what was sent is never unknown afterwards.
             journal.flush();
-            if journal.error().is_some() {
-                self.host.stop(now);
-                return;
-            }
         }
-        for command in commands {
-            if self.host.is_sound(now) {
-                self.host.send(command, now);
-            } else {
-                self.held = Some(command);
-            }
-        }
-        if stops && let Some(command) = self.held.take() {
+        self.send_held(now);
+        if let Some(command) = overtaken {
             self.not_begun(command.id, now);
         }
+    }
+
+    /// Sends the command that waits, if it is recorded and the line is sound. A line that is gone is not
+    /// waited for: nobody would expect the robot to drive off when it is back.
+    fn send_held(&mut self, now: f64) {
+        let Some(command) = self.held else { return };
+        if self.record_error().is_some() {
+            self.held = None;
+        } else if !self.host.is_open() {
+            self.held = None;
+            self.remark("nothing is heard from the robot: it is told nothing".to_owned(), now);
+            self.stop(now);
+            self.not_begun(command.id, now);
+        } else if self.host.is_sound(now) {
+            self.held = None;
+            self.host.send(command, now);
+        }
+    }
+
+    /// Why the record cannot be written, if that is so.
+    fn record_error(&self) -> Option<String> {
+        self.journal.as_ref().and_then(|journal| journal.error()).map(ToString::to_string)
     }
 }
 

@@ -18,14 +18,20 @@ pub enum Signal {
 }
 
 impl Signal {
+    /// Its number.
+    #[must_use]
+    pub fn number(self) -> u8 {
+        match self {
+            Self::Interrupt => 2,
+            Self::Terminate => 15,
+            Self::HangUp => 1,
+        }
+    }
+
     /// The exit status that tells of it: 128 and the signal's number.
     #[must_use]
     pub fn status(self) -> u8 {
-        match self {
-            Self::Interrupt => 130,
-            Self::Terminate => 143,
-            Self::HangUp => 129,
-        }
+        128 + self.number()
     }
 
     /// What it is called in reports.
@@ -35,14 +41,6 @@ impl Signal {
             Self::Interrupt => "interrupt (Ctrl-C)",
             Self::Terminate => "the termination signal",
             Self::HangUp => "the terminal hanging up",
-        }
-    }
-
-    fn code(self) -> u8 {
-        match self {
-            Self::Interrupt => 1,
-            Self::Terminate => 2,
-            Self::HangUp => 3,
         }
     }
 }
@@ -59,7 +57,8 @@ impl Signals {
     }
 
     /// Listens from now on. The first signal only sets the flag; a second one ends the program at
-    /// once, in case writing the results hangs.
+    /// once, in case writing the results hangs. A terminal that goes may say so twice, as its shell does
+    /// as well: that ends nothing at once.
     ///
     /// # Errors
     /// When the system refuses to hand over signals.
@@ -80,7 +79,7 @@ impl Signals {
                         _ = terminate.recv() => Signal::Terminate,
                         _ = hang_up.recv() => Signal::HangUp,
                     };
-                    if heard.received().is_some() {
+                    if heard.received().is_some() && signal != Signal::HangUp {
                         std::process::exit(i32::from(signal.status()));
                     }
                     heard.raise(signal);
@@ -108,12 +107,12 @@ impl Signals {
         let code = self.0.load(Ordering::Relaxed);
         [Signal::Interrupt, Signal::Terminate, Signal::HangUp]
             .into_iter()
-            .find(|signal| signal.code() == code)
+            .find(|signal| signal.number() == code)
     }
 
     /// Acts as if `signal` had been received.
     pub fn raise(&self, signal: Signal) {
         // The first one counts: it names the reason in the report.
-        let _ = self.0.compare_exchange(0, signal.code(), Ordering::Relaxed, Ordering::Relaxed);
+        let _ = self.0.compare_exchange(0, signal.number(), Ordering::Relaxed, Ordering::Relaxed);
     }
 }

@@ -15,7 +15,7 @@ use super::message::{FromRobot, ToRobot, VERSION};
 use crate::robot::{Command, CommandId, SWITCHES, Telemetry, Unfit};
 use clock::Clock;
 use pending::Pending;
-use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, OVERDUE, OVERTAKEN_US};
+use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, HOLE, OVERDUE, OVERTAKEN_US};
 use told::Introduction;
 
 /// The host's end.
@@ -28,6 +28,8 @@ pub struct Host {
     identity: Option<Identity>,
     health: Health,
     opened: f64,
+    /// When the time was looked at last.
+    ticked: f64,
     heard: f64,
     clean: f64,
     hello_due: f64,
@@ -46,6 +48,10 @@ pub struct Host {
     /// When the last stop was acknowledged.
     quiet: f64,
     event: u32,
+    /// Since when, and from which event on, the robot tells of later ones and not of the next.
+    behind: Option<(f64, u32)>,
+    /// What it says is not what one would say who knows this host: it is asked until it does.
+    estranged: bool,
     /// Robot time of the last report, microseconds.
     time_us: u64,
     clock: Clock,
@@ -70,6 +76,7 @@ impl Host {
             identity: None,
             health: Health::Opening,
             opened: now,
+            ticked: now,
             heard: now,
             clean: now,
             hello_due: now,
@@ -85,6 +92,8 @@ impl Host {
             doubt: None,
             quiet: now,
             event: 0,
+            behind: None,
+            estranged: false,
             time_us: 0,
             clock: Clock::new(0),
             garbled: 0,
@@ -102,7 +111,7 @@ impl Host {
         (self.sample, self.understood) = (Sample::default(), false);
         self.put_in_doubt();
         self.pinged = None;
-        (self.opened, self.heard, self.clean) = (now, now, now);
+        (self.opened, self.clean) = (now, now);
         (self.hello_due, self.ping_due) = (now, now);
         self.out.clear();
         self.urgent.clear();
@@ -240,8 +249,13 @@ impl Host {
                 // What it says of itself before it has heard this host is not the answer yet: with its
                 // own start, or with another host's words, its numbers are others.
                 if session != self.session {
+                    // It knew this host, and does not any more: there is a hole in what it tells.
+                    if self.is_open() {
+                        self.ask_anew(now);
+                    }
                     return;
                 }
+                self.estranged = false;
                 if !SWITCHES.contains(&switches) {
                     return self.unfit(Unfit::Switches { count: switches }, told);
                 }
@@ -280,7 +294,7 @@ impl Host {
                     self.command = None;
                     self.motion = None;
                     // It may have been started again, and not know who speaks.
-                    self.hello_due = self.hello_due.min(now);
+                    self.ask_anew(now);
                     told.push(Heard::Refused(CommandId(seq), why));
                 }
             }
@@ -291,8 +305,8 @@ impl Host {
             }
             FromRobot::Report { odometer, switches, bumper, event, .. } => {
                 // One from before a restart, or one from after it: who is there?
-                if event < self.event {
-                    self.hello_due = self.hello_due.min(now);
+                if event < self.event || self.misses(event, now) {
+                    self.ask_anew(now);
                 }
                 if event == self.event && self.is_open() {
                     let report = Telemetry::Report { odometer, switches, bumper };
@@ -348,6 +362,23 @@ impl Host {
         made.is_ok()
     }
 
+    /// Whether the robot, whose newest event is this one, has not told the next for too long: it says again
+    /// what it has.
+    fn misses(&mut self, newest: u32, now: f64) -> bool {
+        let since = match self.behind {
+            Some((since, event)) if event == self.event => since,
+            _ => now,
+        };
+        self.behind = (newest > self.event).then_some((since, self.event));
+        self.behind.is_some() && now - since > HOLE
+    }
+
+    /// Asks who is there, until the answer is for this host.
+    fn ask_anew(&mut self, now: f64) {
+        self.estranged = true;
+        self.hello_due = self.hello_due.min(now);
+    }
+
     /// It says that it is what no robot can be. One that is known already is believed more than that.
     fn unfit(&mut self, why: Unfit, told: &mut Vec<Heard>) {
         if !self.is_open() {
@@ -355,8 +386,9 @@ impl Host {
         }
     }
 
-    /// Telemetry means something: the robot is known.
-    fn is_open(&self) -> bool {
+    /// Whether telemetry means something: the robot is known, and was heard a moment ago.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
         self.identity.is_some() && matches!(self.health, Health::Up | Health::Stale)
     }
 
@@ -374,6 +406,7 @@ impl Host {
             (self.command, self.stop, self.doubt) = (None, None, None);
             told.push(Heard::Rebooted);
         }
+        self.wait_anew(now);
         self.identity = Some(identity.clone());
         self.clock = Clock::new(self.introduction.watchdog);
         self.clean = now;

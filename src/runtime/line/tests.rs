@@ -28,11 +28,11 @@ struct Seen {
     went: f64,
     ending: Option<Ending>,
     /// What the screen shows last, looking as the console does.
-    shown: Option<Snapshot>,
+    shown: Option<Arc<Snapshot>>,
 }
 
 /// Looks as the console does, at every new picture, for so many seconds.
-fn look(line: &Line, seconds: f64) -> Option<Snapshot> {
+fn look(line: &Line, seconds: f64) -> Option<Arc<Snapshot>> {
     let watch = Stopwatch::start();
     let (mut drawn, mut shown) = (None, None);
     while watch.seconds() < seconds {
@@ -125,6 +125,23 @@ fn failing(what: Failing) -> Seen {
     assert!(!kept.records.is_empty(), "nothing was kept");
     let _ = std::fs::remove_file(&record);
     Seen { ending, shown, ..seen }
+}
+
+/// A bridge that does not answer keeps nobody: who is told to leave leaves at once.
+#[test]
+fn a_bridge_that_does_not_answer_is_left_at_once() {
+    let address: Address = "tcp://192.0.2.1:9".parse().expect("an address");
+    let settings = Settings::new(crate::geometry::Pose::new(0.0, 0.0, 0.0));
+    let plan = Plan { settings, port: address.to_string(), until: None, at_once: false };
+    let run = LiveRun::new(plan, Host::new(0, 1, 0.0), None);
+    let (requests, asked) = unbounded_channel();
+    let (watch, shown) = (Stopwatch::start(), Arc::new(Shown::default()));
+    let mut keeper = Keeper { address, run, watch, shown, asked, syncing: None, progress_due: 0.0 };
+    requests.send(Request::Intent(Intent::Stop)).expect("it listens");
+    requests.send(Request::Leave).expect("it listens");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let never = keeper.meanwhile(std::future::pending::<()>());
+    assert_eq!(runtime.expect("a runtime").block_on(never), None);
 }
 
 /// One test, since a panic anywhere stops every robot that this program keeps.

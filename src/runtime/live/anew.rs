@@ -52,6 +52,7 @@ impl<W: Write> LiveRun<W> {
                 self.restart = life.as_ref().map(Restart::recorded);
             }
             self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
+            self.ended = None;
             self.session = Some(session);
             self.intent(Intent::Pause, now);
             self.settling = Some(0);
@@ -70,7 +71,7 @@ impl<W: Write> LiveRun<W> {
             self.intent(carried, now);
             self.record_life();
         }
-        if self.plan.at_once {
+        if std::mem::take(&mut self.goes_on) {
             self.intent(Intent::ClearStop, now);
             self.intent(Intent::Run, now);
         }

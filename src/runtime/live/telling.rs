@@ -2,7 +2,7 @@
 
 use super::LiveRun;
 use crate::export::{Outcome, RunRecord};
-use crate::runtime::Ending;
+use crate::runtime::{Ending, Progress};
 use crate::session::{Known, Session, Snapshot};
 use crate::wire::Health;
 use std::io::Write;
@@ -34,6 +34,19 @@ impl<W: Write> LiveRun<W> {
             snapshot.robot = Known::Stale { value, age: self.host.silence(now) };
         }
         snapshot
+    }
+
+    /// How far the run has come; none before the robot is there.
+    #[must_use]
+    pub fn progress(&self) -> Option<Progress> {
+        let session = self.session.as_ref()?;
+        let mission = session.mission();
+        Some(Progress {
+            phase: mission.phase(),
+            share: mission.share(),
+            time: mission.tracker().time_us() as f64 * 1e-6,
+            travel: session.progress().iter().map(|phase| phase.travel).sum(),
+        })
     }
 
     /// The program failed with `why`: what is shown from now on is old.

@@ -2,13 +2,17 @@
 //! the other end; in virtual time.
 
 mod adversity;
+mod attended;
 mod carried;
 mod liar;
+mod outage;
 mod same;
+mod stops;
 
 use super::*;
 use crate::firmware::{Device, STEP};
 use crate::link::{Faults, FaultyWay};
+use crate::mapping::event::EventKind;
 use crate::robot::Hardware;
 use crate::session::RunState;
 use crate::simulator::{Body, NoiseProfile, World};
@@ -40,6 +44,15 @@ impl Write for Memory {
     }
 }
 
+/// Whether anything passes the line, either way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Passage {
+    Open,
+    /// The next command is lost, and all that follows.
+    UntilACommand,
+    Cut,
+}
+
 /// A robot, a line and a host.
 struct Rig {
     run: LiveRun<Memory>,
@@ -50,12 +63,15 @@ struct Rig {
     up: FaultyWay,
     now: f64,
     host_dead: bool,
+    line: Passage,
     /// What the robot says its wheels did, as shares of what they did.
     lie: [f64; 2],
     /// What its clock says at a time, both in microseconds.
     clock: fn(u64) -> u64,
     broken: Option<Broken>,
     chattered: bool,
+    /// Edges of one switch that come all at once.
+    storm: u32,
     /// What the robot hears, read beside it: where it was when it last had a good line.
     ear: crate::wire::Decoder,
     good: crate::geometry::Point,
@@ -90,10 +106,12 @@ fn rig_in(
         up: FaultyWay::new(faults, seed * 2 + 1),
         now: 0.0,
         host_dead: false,
+        line: Passage::Open,
         lie: [1.0, 1.0],
         clock: |us| us,
         broken: None,
         chattered: false,
+        storm: 0,
         ear: crate::wire::Decoder::default(),
         good: world.start.position,
         farthest: 0.0,
@@ -109,7 +127,12 @@ impl Rig {
             self.run.receive(&up, self.now);
             self.run.tick(self.now);
             let out = self.run.take_output();
-            self.down.put(&out, self.now);
+            if self.line == Passage::UntilACommand && orders(&out) {
+                self.line = Passage::Cut;
+            }
+            if self.line != Passage::Cut {
+                self.down.put(&out, self.now);
+            }
         }
         let down = self.down.take(self.now);
         let at = self.body.true_pose().position;
@@ -124,6 +147,7 @@ impl Rig {
             clock: self.clock,
             broken: self.broken,
             chattered: &mut self.chattered,
+            storm: &mut self.storm,
         };
         self.device.receive(&down);
         let even = ((self.now / STEP * 2.0).round() as u64).is_multiple_of(2);
@@ -132,7 +156,21 @@ impl Rig {
             self.body.step(STEP);
         }
         let out = self.device.take_output();
-        self.up.put(&out, self.now);
+        if self.line != Passage::Cut {
+            self.up.put(&out, self.now);
+        }
+    }
+
+    /// Alarms in the log that say `what`.
+    fn alarms(&self, what: &str) -> usize {
+        let is =
+            |kind: &EventKind| matches!(kind, EventKind::Alarm { what: w } if w.contains(what));
+        let events = self.run.session().expect("a session").events();
+        events.iter().filter(|event| is(&event.kind)).count()
+    }
+
+    fn run_state(&self) -> RunState {
+        self.run.session().expect("a session").run_state()
     }
 
     /// The board is started again: its motors stand still then.
@@ -160,6 +198,12 @@ impl Rig {
         let moved = self.body.true_pose().position - before.position;
         moved.norm() / STEP
     }
+}
+
+/// Whether a motion is among what the host says.
+fn orders(said: &[u8]) -> bool {
+    let is = |item: &crate::wire::Item| matches!(item, crate::wire::Item::Body(body) if body.starts_with(['M', 'T', 'R']));
+    crate::wire::Decoder::default().feed(said).any(|item| is(&item))
 }
 
 #[test]

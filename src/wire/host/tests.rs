@@ -59,3 +59,42 @@ fn a_robot_with_a_body_that_none_has_is_refused_in_words() {
     let why = lost(&introduction(&Chassis { tick: 1.0, ..Chassis::default() }, 8)).expect("lost");
     assert!(why.contains("tick of 1 is not between"), "{why}");
 }
+
+/// Whether the host asks who is there in the next half second, while pings are answered.
+fn asks(host: &mut Host, from: f64, said: &str) -> bool {
+    let (mut told, mut asked) = (Vec::new(), false);
+    for step in 0..50 {
+        let now = from + f64::from(step) * 0.01;
+        let mut line = Vec::new();
+        seal(&FromRobot::Pong { number: 1 }.to_string(), &mut line);
+        if step == 0 {
+            seal(said, &mut line);
+        }
+        host.receive(&line, now, &mut told);
+        host.tick(now, &mut told);
+        let out = host.take_output();
+        asked |= Decoder::default()
+            .feed(&out)
+            .any(|item| matches!(item, Item::Body(body) if body.starts_with('H')));
+    }
+    asked
+}
+
+/// A robot that has run out of room for its events forgets its host and says so once; so does one that was
+/// started again. Reports of events that never come say it as well.
+#[test]
+fn a_robot_that_forgot_its_host_is_asked_who_it_is() {
+    let known = || {
+        let mut host = Host::new(115_200, 0x2A, 0.0);
+        let mut told = Vec::new();
+        host.receive(&introduction(&Chassis::default(), 8), 0.0, &mut told);
+        host.tick(0.0, &mut told);
+        let _ = host.take_output();
+        assert!(host.is_open() && !asks(&mut host, 0.1, "p 1"), "nothing to ask");
+        host
+    };
+    assert!(asks(&mut known(), 1.0, "h 1 8 0 300 8 tin"), "a hole that is told");
+    let mut host = known();
+    assert!(!asks(&mut host, 1.0, "r 20000 12 12 -1500 04 0 7 0"), "it may still come");
+    assert!(asks(&mut host, 1.6, "r 20000 12 12 -1500 04 0 7 0"), "a hole that is not told");
+}

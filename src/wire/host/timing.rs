@@ -22,6 +22,8 @@ pub(super) const OVERDUE: f64 = 3.0;
 pub(super) const CLEAN: f64 = 0.5;
 /// What began before a stop has ended, and said so, this long after it, seconds.
 pub(super) const UNDOUBTED: f64 = 1.0;
+/// A robot that tells of later events says the next one again within this, seconds.
+pub(super) const HOLE: f64 = 0.5;
 /// Bytes of the longest command and its acknowledgement.
 pub(super) const EXCHANGE: f64 = 60.0;
 /// Stops are numbered from here: commands never get so far.

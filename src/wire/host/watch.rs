@@ -1,6 +1,6 @@
 //! What the host does as time passes: what is not answered is said again, and who is silent is noticed.
 
-use super::timing::{BLIND, BOOT, HELLO, LOST, PING, STALE, UNANSWERED, UNDOUBTED};
+use super::timing::{BLIND, BOOT, HELLO, LOST, OVERDUE, PING, STALE, UNANSWERED, UNDOUBTED};
 use super::{Health, Heard, Host, Loss};
 use crate::wire::frame::seal;
 use crate::wire::message::{ToRobot, VERSION};
@@ -8,7 +8,11 @@ use crate::wire::message::{ToRobot, VERSION};
 impl Host {
     /// Lets the time pass: what is due is said again, and who is silent is noticed. To be called
     /// every few milliseconds, from the loop that decides: a host that hangs falls silent.
+    ///
+    /// What is overdue is judged as of the call before, since which everything that was there has been
+    /// taken in: whoever was busy for seconds with a plan or a disk has not read yet what came meanwhile.
     pub fn tick(&mut self, now: f64, told: &mut Vec<Heard>) {
+        let judged = std::mem::replace(&mut self.ticked, now);
         if self.health == Health::Lost(Loss::Unplugged) {
             return;
         }
@@ -17,14 +21,14 @@ impl Host {
             seal(&hello.to_string(), &mut self.out);
             self.hello_due = now + HELLO;
         }
-        if self.is_open() && self.hello_due.is_finite() {
+        if self.is_open() && !self.estranged && self.hello_due.is_finite() {
             self.hello_due = f64::INFINITY;
         } else if !self.is_open() && self.hello_due.is_infinite() {
             self.hello_due = now;
         }
         match self.health {
             Health::Opening => {
-                if now - self.opened > BOOT {
+                if judged - self.opened > BOOT {
                     let why = match (self.understood, self.sample.is_empty()) {
                         (true, _) => Loss::Unintroduced,
                         (false, false) => Loss::Foreign(self.sample),
@@ -33,14 +37,14 @@ impl Host {
                     self.lose(why, told);
                 }
             }
-            Health::Up | Health::Stale => self.watch(now, told),
+            Health::Up | Health::Stale => self.watch(judged, now, told),
             Health::Lost(_) => {}
         }
         self.resend_stop(now);
     }
 
-    fn watch(&mut self, now: f64, told: &mut Vec<Heard>) {
-        let silence = now - self.heard;
+    fn watch(&mut self, judged: f64, now: f64, told: &mut Vec<Heard>) {
+        let silence = judged - self.heard;
         if silence > LOST {
             return self.lose(Loss::Silent, told);
         }
@@ -58,7 +62,7 @@ impl Host {
             }
             self.ping_due = now + PING;
         }
-        if self.stop.is_none() && now - self.quiet > UNDOUBTED && silence < PING * 3.0 {
+        if self.stop.is_none() && judged - self.quiet > UNDOUBTED && silence < PING * 3.0 {
             // Its end would have come by now.
             if let Some(id) = self.doubt.take() {
                 self.motion = None;
@@ -70,20 +74,40 @@ impl Host {
                 self.halted = true;
                 self.stop(now);
             }
-            if now > over {
+            // No end comes of what never began; that is found out after the stop that is under way.
+            if judged > over && self.doubt.is_none() {
                 self.stop(now);
                 return self.lose(Loss::Endless, told);
             }
         }
+        if self.stop.as_ref().is_some_and(|stop| judged - stop.since > self.unanswered()) {
+            return self.lose(Loss::Unacknowledged, told);
+        }
+        let unanswered = self.unanswered();
         if let Some(pending) = &mut self.command
             && now >= pending.due
         {
-            if now - pending.since > UNANSWERED + 10.0 * self.latency {
+            if judged - pending.since > unanswered {
                 self.stop(now);
                 return self.lose(Loss::Unacknowledged, told);
             }
             pending.again(now);
             self.out.extend_from_slice(&pending.line);
+        }
+    }
+
+    /// How long an acknowledgement is waited for, seconds.
+    fn unanswered(&self) -> f64 {
+        UNANSWERED + 10.0 * self.latency
+    }
+
+    /// The robot is there again: what was waited for while it was not is waited for anew.
+    pub(super) fn wait_anew(&mut self, now: f64) {
+        if let Some((_, over)) = &mut self.motion {
+            *over = now + OVERDUE;
+        }
+        if let Some(stop) = &mut self.stop {
+            stop.since = now;
         }
     }
 

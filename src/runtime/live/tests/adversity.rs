@@ -37,6 +37,64 @@ fn a_full_disk_stops_the_robot_whenever_it_comes() {
     }
 }
 
+/// A record that was written and then did not reach the disk is no record either.
+#[test]
+fn a_record_that_does_not_reach_the_disk_stops_the_robot() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.until(20.0, |_| false);
+    rig.run.record_lost(std::io::Error::other("input/output error"));
+    rig.until(1.0, |_| false);
+    assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "it still moves");
+    let ending = rig.run.ending().expect("an ending");
+    assert!(ending.reason.contains("input/output error"), "{}", ending.reason);
+    assert!(rig.run.conclude().is_err(), "called whole");
+}
+
+/// A robot that was switched on late is there all the same; and a full disk is told of afterwards as well,
+/// however often the operator clears the stop.
+#[test]
+fn a_robot_that_came_late_is_no_failure_and_hides_none() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.line = Passage::Cut;
+    rig.until(5.0, |_| false);
+    rig.line = Passage::Open;
+    assert!(rig.until(5.0, |rig| rig.run.session().is_some()), "nobody there");
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(20.0, |_| false);
+    assert_eq!(rig.run.ending(), None, "it goes on");
+    rig.memory.room.set(Some(0));
+    rig.until(5.0, |_| false);
+    for times in 1..4 {
+        assert_eq!(rig.run_state(), RunState::Stopped, "{times}");
+        assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "{times}: it still moves");
+        assert_eq!(rig.alarms("no space left"), times, "nobody was told");
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(2.0, |_| false);
+    }
+    assert!(rig.run.ending().is_some_and(|ending| ending.reason.contains("no space left")));
+}
+
+/// More edges at once than the robot has room for: it stops, and the host knows that there is a hole.
+#[test]
+fn a_hole_in_what_the_robot_tells_is_known_at_once() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.until(3.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(20.0, |_| false);
+    assert!(rig.until(20.0, |rig| rig.device.is_moving()));
+    rig.storm = 80;
+    // What it says of it is lost as well.
+    rig.line = Passage::Cut;
+    rig.until(0.1, |_| false);
+    rig.line = Passage::Open;
+    rig.until(0.5, |_| false);
+    assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "it drives on");
+    rig.until(1.0, |_| false);
+    assert_eq!(rig.alarms("started again"), 1, "nobody noticed");
+    assert_eq!(rig.run_state(), RunState::Stopped);
+}
+
 #[test]
 fn a_wheel_whose_encoder_lies_is_found_out() {
     for lie in [[1.1, 1.0], [1.0, 0.85], [0.0, 1.0], [1.0, 2.0]] {
@@ -68,7 +126,7 @@ fn an_encoder_that_leaps_stops_the_robot_at_once() {
         assert!(travelled(&rig) - before < 0.1, "{lie:?}: it was taken for a way");
         let session = rig.run.session().expect("a session");
         let told = session.events().iter().any(|event| {
-            matches!(&event.kind, crate::mapping::event::EventKind::Alarm { what }
+            matches!(&event.kind, EventKind::Alarm { what }
                 if what.contains("cannot be believed"))
         });
         assert!(told, "{lie:?}: nobody was told");

@@ -211,6 +211,17 @@ fn without_a_boundary_the_lap_begins_anew_from_where_the_operator_says() {
     assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
 }
 
+/// A run that was to end with a phase is over after it: where the robot stands then changes nothing.
+#[test]
+fn a_run_that_is_over_is_not_told_where_the_robot_is() {
+    let mut rig = rig(Faults::default(), 1, true);
+    assert!(rig.until(900.0, |rig| rig.run.ending().is_some()));
+    let before = rig.run.session().expect("a session").mission().map_now();
+    rig.run.intent(Intent::Placed { near: Some(Pose::new(1.0, 1.0, 0.5)) }, rig.now);
+    let mission = rig.run.session().expect("a session").mission();
+    assert!(!mission.is_lost() && mission.map_now() == before, "it was believed");
+}
+
 /// How far the mapped outline is from the true one at its corners, at most, metres.
 fn worst_corner(rig: &Rig, world: &World) -> f64 {
     let map = rig.run.session().expect("a session").mission().map();

@@ -12,6 +12,8 @@ pub(super) struct Liar<'a> {
     pub(super) broken: Option<Broken>,
     /// What a switch that chatters said last.
     pub(super) chattered: &'a mut bool,
+    /// Edges of the last switch that are still to come at once.
+    pub(super) storm: &'a mut u32,
 }
 
 /// What is wrong with a switch.
@@ -72,6 +74,11 @@ impl Hardware for Liar<'_> {
     }
 
     fn take_edge(&mut self) -> Option<Edge> {
+        if let Some(left) = self.storm.checked_sub(1) {
+            *self.storm = left;
+            let rising = left % 2 == 1;
+            return Some(Edge { sensor: 7, rising, odometer: self.odometer() });
+        }
         let broken = self.broken.map(|broken| broken.switch);
         if let Some(Broken { switch: sensor, how: Fault::Chatter }) = self.broken
             && *self.chattered != self.chatters()

@@ -1,0 +1,47 @@
+//! A console that hangs while the robot drives.
+
+use super::*;
+
+/// Lets `seconds` pass; the console turns meanwhile, or hangs.
+fn pass(rig: &mut Rig, seconds: f64, turns: bool) {
+    let end = rig.now + seconds;
+    while rig.now < end {
+        if turns {
+            rig.run.attended(rig.now);
+        }
+        rig.step();
+    }
+}
+
+#[test]
+fn a_console_that_hangs_stops_the_robot_and_one_that_turns_does_not() {
+    let mut rig = rig(Faults::default(), 1, false);
+    pass(&mut rig, 3.0, true);
+    rig.run.intent(Intent::Run, rig.now);
+    pass(&mut rig, 20.0, true);
+    assert_eq!(rig.run_state(), RunState::Running);
+    // A long look at something else is no hanging.
+    pass(&mut rig, 0.9, false);
+    pass(&mut rig, 5.0, true);
+    assert_eq!(rig.alarms("console hangs"), 0);
+    let from = rig.body.true_pose().position;
+    pass(&mut rig, 6.0, false);
+    assert_eq!(rig.run_state(), RunState::Stopped);
+    let went = (rig.body.true_pose().position - from).norm();
+    assert!(went < 0.2 * 1.1 + 0.02, "{went} m with nobody there");
+    assert!(rig.speed() < 1e-9 && !rig.device.is_moving());
+    assert_eq!(rig.alarms("console hangs"), 1, "said once");
+    // It turns again: the operator clears the stop and goes on.
+    pass(&mut rig, 1.0, true);
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    pass(&mut rig, 5.0, true);
+    assert_eq!(rig.run_state(), RunState::Running);
+}
+
+#[test]
+fn a_run_without_an_operator_needs_none() {
+    let mut rig = rig(Faults::default(), 1, true);
+    pass(&mut rig, 30.0, false);
+    assert_eq!(rig.run_state(), RunState::Running);
+}

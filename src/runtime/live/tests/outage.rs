@@ -1,0 +1,91 @@
+//! A line that is gone for longer than any motion lasts, and a host that was busy meanwhile.
+
+use super::*;
+
+/// A robot under an operator's hands, under way for `seconds`.
+fn under_way(seconds: f64) -> Rig {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.until(3.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(seconds, |_| false);
+    rig
+}
+
+fn travelled(rig: &Rig) -> f64 {
+    rig.run.session().expect("a session").mission().tracker().travelled()
+}
+
+/// The operator goes on, and so does the robot.
+fn goes_on(rig: &mut Rig) {
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    let before = travelled(rig);
+    rig.until(10.0, |_| false);
+    assert_eq!(rig.run_state(), RunState::Running);
+    assert!(travelled(rig) - before > 0.3, "it stands");
+}
+
+/// The deadline of a motion that ended meanwhile is long over when the line is there again.
+#[test]
+fn a_line_that_was_gone_for_long_is_back_once_and_for_all() {
+    for later in 0..8 {
+        let mut rig = under_way(20.0 + 0.17 * f64::from(later));
+        rig.line = Passage::Cut;
+        rig.until(10.0, |_| false);
+        rig.line = Passage::Open;
+        rig.until(6.0, |_| false);
+        assert_eq!(rig.run.host().health(), Health::Up, "{later}");
+        assert_eq!(rig.alarms("link lost"), 1, "{later}: it flaps");
+        goes_on(&mut rig);
+    }
+}
+
+/// Nobody knows whether a command began that the line took with it; no end of it ever comes.
+#[test]
+fn a_line_that_took_a_command_with_it_is_back_once_and_for_all() {
+    let mut rig = under_way(20.0);
+    rig.line = Passage::UntilACommand;
+    assert!(rig.until(10.0, |rig| rig.line == Passage::Cut), "no command");
+    rig.until(12.0, |_| false);
+    rig.line = Passage::Open;
+    rig.until(6.0, |_| false);
+    assert_eq!(rig.run.host().health(), Health::Up);
+    assert_eq!(rig.alarms("link lost"), 1, "it flaps");
+    goes_on(&mut rig);
+}
+
+/// Set going while the line is gone, the robot does not drive off by itself when it is back.
+#[test]
+fn nothing_waits_for_a_line_that_is_gone() {
+    let mut rig = under_way(20.0);
+    rig.run.intent(Intent::Pause, rig.now);
+    assert!(rig.until(20.0, |rig| !rig.device.is_moving()));
+    rig.until(1.0, |_| false);
+    rig.line = Passage::Cut;
+    assert!(rig.until(3.0, |rig| matches!(rig.run.host().health(), Health::Lost(_))));
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(30.0, |_| false);
+    rig.line = Passage::Open;
+    let before = travelled(&rig);
+    rig.until(6.0, |_| false);
+    assert_eq!(rig.run.host().health(), Health::Up);
+    assert!(travelled(&rig) - before < 1e-3, "it drove off half a minute later");
+    assert_eq!(rig.run_state(), RunState::Stopped);
+    goes_on(&mut rig);
+}
+
+/// What came while the host was busy has not been read yet when the host looks at the time.
+#[test]
+fn a_host_that_was_busy_has_not_lost_its_robot() {
+    let mut rig = under_way(20.0);
+    for busy in [0.6, 2.0, 12.0] {
+        rig.host_dead = true;
+        rig.until(busy, |_| false);
+        rig.host_dead = false;
+        rig.run.tick(rig.now);
+        rig.until(3.0, |_| false);
+        assert_eq!(rig.alarms("link lost"), 0, "busy for {busy} s");
+        assert_eq!(rig.run_state(), RunState::Running, "busy for {busy} s");
+    }
+}

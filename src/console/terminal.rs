@@ -31,7 +31,10 @@ impl Guard {
         }));
         enter()?;
         let terminal = Terminal::new(CrosstermBackend::new(stdout()))?;
-        Ok(Self { terminal: ManuallyDrop::new(terminal) })
+        let mut guard = Self { terminal: ManuallyDrop::new(terminal) };
+        // A program that was killed may have left its screen behind.
+        guard.blank()?;
+        Ok(guard)
     }
 
     /// Gives the terminal to the shell, as Ctrl-Z does, and takes it on again when the shell gives it

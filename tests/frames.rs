@@ -143,7 +143,11 @@ fn a_robot_that_is_not_heard_is_told_of_as_long_as_it_is_not() {
     let mut model = Model { speed: None, ..Model::new(80, 24, Keymap::default()) };
     let paused = |snapshot: &Snapshot| Snapshot { run: RunState::Paused, ..snapshot.clone() };
     assert!(perform(&mut model, &paused(&silent), Action::RunPause).is_empty(), "told to drive");
-    let (symbols, _) = frame::planes(&model, &paused(&silent));
+    let (symbols, styles) = frame::planes(&model, &paused(&silent));
+    assert!(
+        styles.contains('z') && !styles.contains(['Z', 'B', 'a']),
+        "as if it were heard: {styles}"
+    );
     let header = symbols.lines().next().expect("a header");
     assert!(header.contains("LINK LOST 0:00:23") && !header.contains("live"), "{header}");
     assert!(symbols.contains("│ told ") && !symbols.contains("│ command "), "{symbols}");

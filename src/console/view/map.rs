@@ -186,7 +186,8 @@ fn draw_robot(canvas: &mut Canvas, snapshot: &Snapshot) {
     canvas.circle(center, radius, role, Pattern::Solid);
     let nose = center + pose.direction() * radius;
     canvas.line(center, nose, role, Pattern::Solid);
-    for index in robot.switches.iter() {
+    // How the switches were when it was heard last is nothing to go by.
+    for index in robot.switches.iter().filter(|_| current) {
         let Some(mount) = chassis.sensors.get(index) else {
             continue;
         };

@@ -66,7 +66,7 @@ pub(super) fn draw(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buf
     }
     if !over && area.bottom().saturating_sub(y) >= 4 {
         y += 1;
-        for row in &switches::rose(&snapshot.settings.chassis, view(snapshot).as_ref()) {
+        for row in &switches::rose(&snapshot.settings.chassis, heard(snapshot).as_ref()) {
             pen.pieces(area.x + VALUES, y, row);
             y += 1;
         }
@@ -99,10 +99,11 @@ fn fitting(mut rows: Vec<Row>, room: u16, height: u16) -> Vec<Row> {
     rows
 }
 
-fn view(snapshot: &Snapshot) -> Option<RobotView> {
+/// What the robot says of itself now: how its switches were is nothing to go by.
+fn heard(snapshot: &Snapshot) -> Option<RobotView> {
     match snapshot.robot {
-        Known::Known(robot) | Known::Stale { value: robot, .. } => Some(robot),
-        Known::Unknown => None,
+        Known::Known(robot) => Some(robot),
+        Known::Stale { .. } | Known::Unknown => None,
     }
 }
 

@@ -158,7 +158,9 @@ mod tests {
     /// Where the numbers of `rings` stand on a map of 40 by 20 cells, ten dots to the metre.
     fn placed(rings: &[Ring]) -> (Canvas, Vec<Option<Box>>) {
         let mut canvas = Canvas::new(Viewport::new(Point::new(4.0, 4.0), 0.1, 40, 20));
-        rings.iter().for_each(|ring| canvas.ring(ring, Role::Object));
+        for ring in rings {
+            canvas.ring(ring, Role::Object);
+        }
         let named: Vec<_> = (1..).zip(rings).map(|(k, ring)| (format!("O{k}"), ring)).collect();
         let places = places(&canvas, &named);
         (canvas, places)

@@ -58,7 +58,8 @@ fn crowded() -> Snapshot {
 }
 
 fn drawn(bencher: Bencher<'_, '_>, snapshot: &Snapshot, size: (u16, u16)) {
-    let layers = Layers { contacts: Layer::Shown, ..Layers::default() };
+    let contacts = Layer { under_way: true, over: true };
+    let layers = Layers { contacts, ..Layers::default() };
     let model = Model { layers, ..Model::new(size.0, size.1, Keymap::default()) };
     let theme = Theme::colour();
     let area = Rect::new(0, 0, size.0, size.1);

@@ -65,8 +65,8 @@ pub struct RobotChoice {
     /// Serial port or tcp://HOST:PORT of a real robot
     #[arg(long, value_name = "DEVICE", conflicts_with = "world")]
     pub port: Option<String>,
-    /// Speed of the serial port
-    #[arg(long, value_name = "N", requires = "port")]
+    /// Speed of the serial port, bits a second
+    #[arg(long, value_name = "N", requires = "port", value_parser = values::baud)]
     pub baud: Option<u32>,
 }
 

@@ -76,7 +76,7 @@ impl Ending {
                 }
                 let owed = session.mission().map().shortfall();
                 let but = owed.map_or_else(String::new, |owed| format!(", but {owed}"));
-                (Outcome::Complete, format!("map complete{but}"))
+                (Outcome::Complete, format!("all four phases done{but}"))
             }
             RunState::Failed(Failure::Ended) => (Outcome::Stopped, Failure::Ended.to_string()),
             RunState::Failed(why) => (Outcome::Failed, why.to_string()),

@@ -7,7 +7,7 @@ pub mod replay;
 pub mod snapshot;
 
 pub use replay::Replay;
-pub use snapshot::{Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
+pub use snapshot::{Ended, Known, PhaseProgress, RobotView, RunState, Snapshot, Step};
 
 use crate::mapping::event::{Event, EventKind, Failure, Severity};
 use crate::mapping::map::Phase;
@@ -51,8 +51,10 @@ pub struct Session {
     until: Phase,
     progress: [PhaseProgress; 4],
     command: Option<(Command, &'static str)>,
-    done: Option<(Command, &'static str)>,
+    done: Option<(Command, &'static str, Option<DoneReason>)>,
     events: VecDeque<Event>,
+    /// Events before those.
+    forgotten: u64,
     source: String,
     heard: bool,
     version: u64,
@@ -76,6 +78,7 @@ impl Session {
             command: None,
             done: None,
             events: VecDeque::new(),
+            forgotten: 0,
             source,
             heard: false,
             version: 0,
@@ -117,6 +120,12 @@ impl Session {
     #[must_use]
     pub fn events(&self) -> &VecDeque<Event> {
         &self.events
+    }
+
+    /// What the map or else the robot is called.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.source
     }
 
     /// Counts up whenever anything that a snapshot shows has changed.
@@ -188,8 +197,14 @@ impl Session {
         self.progress[phase].travel += tracker.travelled() - travelled;
         self.heard = true;
         self.version += 1;
-        if !self.mission.is_moving() {
-            self.done = self.command.take().or(self.done);
+        if !self.mission.is_moving()
+            && let Some((command, why)) = self.command.take()
+        {
+            let reason = match input {
+                Telemetry::Done { reason, .. } => Some(reason),
+                Telemetry::Report { .. } | Telemetry::Edge(_) => None,
+            };
+            self.done = Some((command, why, reason));
         }
         self.pass_on(outputs, out);
         self.go_on(out);
@@ -202,11 +217,15 @@ impl Session {
         match intent {
             Intent::Stop => {
                 out.push(Outgoing::Stop);
+                // A stop that holds already is no news, and would push what is out of the log.
+                let holds = self.gate.is_latched();
                 self.gate.latch();
                 if !over {
                     self.run = RunState::Stopped;
                 }
-                self.note(EventKind::Stopped, out);
+                if !holds {
+                    self.note(EventKind::Stopped, out);
+                }
             }
             Intent::ClearStop if self.gate.is_latched() => {
                 self.gate.clear();
@@ -246,7 +265,11 @@ impl Session {
             ),
             Intent::Placed { near } => self.wish(
                 |mission, told| !over && mission.placed(near, told),
-                "not while the robot moves, nor after the run: stop it first",
+                if over {
+                    "the run is over: where the robot stands matters no more"
+                } else {
+                    "not while the robot moves: stop it first"
+                },
                 out,
             ),
             Intent::Finish => {
@@ -383,6 +406,7 @@ impl Session {
     fn keep(&mut self, event: Event, out: &mut Vec<Outgoing>) {
         if self.events.len() == KEPT_EVENTS {
             self.events.pop_front();
+            self.forgotten += 1;
         }
         self.events.push_back(event.clone());
         out.push(Outgoing::Event(event));
@@ -411,6 +435,8 @@ impl Session {
                 None
             };
         }
+        let map = self.mission.map_now();
+        let felt = if map.closed { self.mission.live_contacts() } else { Vec::new() };
         Snapshot {
             time: tracker.time_us() as f64 * 1e-6,
             phase: self.mission.phase(),
@@ -419,13 +445,20 @@ impl Session {
             latched: self.gate.is_latched(),
             robot: if self.heard { Known::Known(view) } else { Known::Unknown },
             command: self.command.map(|(command, why)| (command, why.to_owned())),
-            done: self.done.map(|(command, why)| (command, why.to_owned())),
+            done: self.done.map(|(command, why, reason)| Ended {
+                command,
+                why: why.to_owned(),
+                reason,
+            }),
             alpha_is_open: self.mission.plan_is_open() && !self.run.is_over(),
-            map: self.mission.map_now(),
+            map,
+            felt: felt.iter().map(|contact| contact.point).collect(),
             settings: self.mission.settings().clone(),
             events: self.events.iter().cloned().collect(),
+            forgotten: self.forgotten,
             bumps: self.mission.bumps(),
             source: self.source.clone(),
+            recorded: false,
         }
     }
 }

@@ -346,6 +346,14 @@ fn a_frame_of_a_record() {
     assert!(text.contains("0:01:00") || text.contains("0:00:59"), "{text}");
     assert_eq!(text.lines().count(), 24);
     refused(&["snapshot", "--replay", dir, "--at", "99999", "--size", "80x24"], &["ends at"]);
+    // Results that were lost, as after a kill, are made again from the record.
+    let there = std::path::Path::new(dir).join("map.json");
+    let map = fs::read(&there).expect("a map");
+    fs::remove_file(&there).expect("a file");
+    let made = periplus(&["export", dir, "--format", "json", "--out", "-"]);
+    assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
+    assert_eq!(made.stdout, map, "{}", String::from_utf8_lossy(&made.stdout));
+    assert!(String::from_utf8_lossy(&made.stderr).contains("made from its record"));
 }
 
 #[test]

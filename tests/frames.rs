@@ -9,9 +9,10 @@ use periplus::console::update::{Effect, perform, press};
 use periplus::console::{Keymap, frame};
 use periplus::journal::Header;
 use periplus::mapping::settings::Settings;
+use periplus::mapping::unreached::Unreached;
 use periplus::robot::Intent;
 use periplus::runtime::simulated::SimulatedRun;
-use periplus::session::{RunState, Snapshot};
+use periplus::session::{Known, RunState, Snapshot};
 use periplus::simulator::{NoiseProfile, World};
 use std::io::Sink;
 
@@ -52,6 +53,18 @@ fn hold(name: &str, snapshot: &Snapshot, overlay: &Overlay) {
         let (symbols, styles) = frame::planes(&model, snapshot);
         insta::assert_snapshot!(format!("{name}_{cols}x{rows}"), format!("{symbols}\n{styles}"));
     }
+    no_figure_is_cut(name, snapshot);
+}
+
+/// A number without its end is another number: beside the map nothing is cut off, however narrow it is.
+fn no_figure_is_cut(name: &str, snapshot: &Snapshot) {
+    for (cols, rows) in [(60, 16), (60, 20), (76, 22), (80, 24), (100, 30), (120, 40), (160, 42)] {
+        let model = Model::new(cols, rows, Keymap::default());
+        let (symbols, _) = frame::planes(&model, snapshot);
+        let beside = symbols.lines().filter_map(|row| row.split_once('│'));
+        let cut = beside.map(|(_, figure)| figure).find(|figure| figure.contains('…'));
+        assert_eq!(cut, None, "{name} {cols}x{rows}");
+    }
 }
 
 #[test]
@@ -91,6 +104,12 @@ fn every_phase_of_a_room_with_an_object() {
         run.advance();
     }
     hold("8_stopped", &run.snapshot(), &Overlay::None);
+    // A motion that was broken off is not done.
+    let (symbols, _) = frame::planes(&Model::new(80, 24, Keymap::default()), &run.snapshot());
+    assert!(symbols.contains("│ stopped ") && !symbols.contains("│ done "), "{symbols}");
+    let told = run.snapshot().events.len();
+    run.intent(Intent::Stop);
+    assert_eq!(run.snapshot().events.len(), told, "a stop that holds already is told again");
     run.intent(Intent::ClearStop);
     run.intent(Intent::Run);
     until_paused(&mut run);
@@ -108,6 +127,94 @@ fn every_phase_of_a_room_with_an_object() {
     assert_eq!(effects, [Effect::Intent(Intent::ClearStop)]);
     run.intent(Intent::ClearStop);
     assert!(perform(&mut model, &run.snapshot(), Action::ClearStop).is_empty(), "nothing to clear");
+}
+
+#[test]
+fn a_robot_that_is_not_heard_is_told_of_as_long_as_it_is_not() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    run.intent(Intent::Run);
+    while run.snapshot().command.is_none() || run.snapshot().time < 5.0 {
+        run.advance();
+    }
+    let heard = run.snapshot();
+    let Known::Known(value) = heard.robot else { panic!("it is heard") };
+    let silent = Snapshot { robot: Known::Stale { value, age: 23.0 }, ..heard.clone() };
+    let mut model = Model { speed: None, ..Model::new(80, 24, Keymap::default()) };
+    let paused = |snapshot: &Snapshot| Snapshot { run: RunState::Paused, ..snapshot.clone() };
+    assert!(perform(&mut model, &paused(&silent), Action::RunPause).is_empty(), "told to drive");
+    let (symbols, styles) = frame::planes(&model, &paused(&silent));
+    assert!(
+        styles.contains('z') && !styles.contains(['Z', 'B', 'a']),
+        "as if it were heard: {styles}"
+    );
+    let header = symbols.lines().next().expect("a header");
+    assert!(header.contains("LINK LOST 0:00:23") && !header.contains("live"), "{header}");
+    assert!(symbols.contains("│ told ") && !symbols.contains("│ command "), "{symbols}");
+    assert!(symbols.contains("▲ the robot is not heard"), "{symbols}");
+    // There again, nothing says that it is not.
+    let (symbols, _) = frame::planes(&model, &paused(&heard));
+    assert!(symbols.contains(" live ") && !symbols.contains("LINK LOST"), "{symbols}");
+    assert!(!symbols.contains("not heard"), "a remark outlived its truth: {symbols}");
+}
+
+#[test]
+fn what_nobody_touched_is_not_drawn_as_wall() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    phase(&mut run);
+    phase(&mut run);
+    let mut snapshot = run.snapshot();
+    let outline = &snapshot.map.shape.as_ref().expect("a shape").outline;
+    let piece = outline.pieces[0];
+    let model = Model::new(80, 24, Keymap::default());
+    assert!(!frame::planes(&model, &snapshot).1.contains('y'));
+    snapshot.map.unreached =
+        vec![Unreached { at: piece.at(0.5), width: piece.length(), area: None }];
+    let (symbols, styles) = frame::planes(&model, &snapshot);
+    assert!(styles.matches('y').count() > 5, "{styles}");
+    assert!(symbols.contains("unknown 1 stretch,"), "{symbols}");
+    assert!(!symbols.contains("narrow "), "nobody knows that there is a gap: {symbols}");
+}
+
+#[test]
+fn a_replay_offers_nothing_that_it_does_not_do() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    phase(&mut run);
+    let snapshot = Snapshot { recorded: true, alpha_is_open: false, ..run.snapshot() };
+    let mut model = Model::new(120, 40, Keymap::default());
+    let (symbols, _) = frame::planes(&model, &snapshot);
+    let footer = symbols.lines().last().expect("a footer");
+    assert!(footer.contains("at=SECONDS") && !footer.contains("lap"), "{footer}");
+    for action in [Action::Finish, Action::Square, Action::LapAgain, Action::AlphaUp] {
+        assert!(perform(&mut model, &snapshot, action).is_empty());
+        assert_eq!(model.overlay, Overlay::None, "{action:?} asks what is not to be asked");
+        let hint = model.hint.take().expect("a word on why nothing happens");
+        assert!(hint.text.contains("not changed"), "{}", hint.text);
+    }
+}
+
+#[test]
+fn a_stop_does_not_cover_the_robot_and_a_question_is_whole() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    run.intent(Intent::Run);
+    let mut seen = [false; 2];
+    for _ in 0..80 {
+        (0..75).for_each(|_| run.advance());
+        let mut snapshot = run.snapshot();
+        (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+        for (cols, rows) in [(60, 16), (80, 24)] {
+            let (symbols, styles) =
+                frame::planes(&Model::new(cols, rows, Keymap::default()), &snapshot);
+            let middle = usize::from(rows) / 2;
+            let stop = symbols.lines().position(|row| row.contains("S T O P P E D"));
+            seen[usize::from(stop.expect("a banner") > middle)] = true;
+            assert!(styles.contains(['Z', 'B']), "{cols}x{rows}: no robot\n{symbols}");
+            assert!(symbols.contains("clears the stop; phase and"), "{symbols}");
+        }
+    }
+    assert!(seen[0], "the robot was never below");
+    let model = Model { overlay: Overlay::ConfirmFinish, ..Model::new(60, 16, Keymap::default()) };
+    let (symbols, _) = frame::planes(&model, &run.snapshot());
+    assert!(symbols.contains("kept.") && symbols.contains("End it?"), "{symbols}");
 }
 
 #[test]

@@ -98,6 +98,18 @@ pub struct KeepingFlags {
     pub placed: Option<Pose>,
 }
 
+/// A speed that a serial port may have, bits a second. Below the least a heartbeat takes longer than the
+/// robot waits for one.
+pub(super) fn baud(text: &str) -> Result<u32, String> {
+    let range = 9_600..=12_000_000;
+    let baud: u32 = text.parse().map_err(|_error| "not a whole number".to_owned())?;
+    if range.contains(&baud) {
+        Ok(baud)
+    } else {
+        Err(format!("from {} to {}; 115200 is usual", range.start(), range.end()))
+    }
+}
+
 /// Size of a frame, in cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameSize {

@@ -27,7 +27,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
 }
 
 /// What the file is, when nothing is wrong with it.
-fn verdict(path: &Path) -> Result<&'static str, String> {
+fn verdict(path: &Path) -> Result<String, String> {
     let there = std::fs::metadata(path).map_err(|why| format!("{}: {why}", path.display()))?;
     if there.is_dir() {
         let why = "a folder; name the files in it, such as DIR/*.toml";
@@ -45,7 +45,7 @@ fn verdict(path: &Path) -> Result<&'static str, String> {
     }
 }
 
-fn toml(path: &Path) -> Result<&'static str, String> {
+fn toml(path: &Path) -> Result<String, String> {
     let file = SettingsFile::open(path).map_err(|error| error.to_string())?;
     let table = file.table().map_err(|error| error.to_string())?;
     let keys = file.entries(table.get_ref());
@@ -54,7 +54,7 @@ fn toml(path: &Path) -> Result<&'static str, String> {
         return world(path);
     }
     if has("keys") {
-        return glue::check_keymap(path).map(|()| "keymap");
+        return glue::check_keymap(path);
     }
     Err(format!(
         "{}: neither a world, which has [boundary], nor a keymap, which has [keys]",
@@ -62,7 +62,7 @@ fn toml(path: &Path) -> Result<&'static str, String> {
     ))
 }
 
-fn world(path: &Path) -> Result<&'static str, String> {
+fn world(path: &Path) -> Result<String, String> {
     let radius = Chassis::default().radius;
-    World::load(path, radius).map(|_| "world").map_err(|error| error.to_string())
+    World::load(path, radius).map(|_| "world".to_owned()).map_err(|error| error.to_string())
 }

@@ -67,7 +67,7 @@ pub fn print_measured(figures: Option<String>, folder: &OutputFolder) -> Result<
 /// # Errors
 /// When standard output cannot be written.
 pub fn print(ending: &Ending, folder: &OutputFolder, kept: &Kept) -> Result<(), CommandError> {
-    let outcome = format!("{:?}", ending.outcome).to_lowercase();
+    let told = told(ending);
     let folder = folder.path();
     let what = match kept {
         Kept::Whole => format!("results in {}", folder.display()),
@@ -75,5 +75,31 @@ pub fn print(ending: &Ending, folder: &OutputFolder, kept: &Kept) -> Result<(), 
         Kept::Nothing if folder.exists() => format!("{} is as it was", folder.display()),
         Kept::Nothing => "nothing was recorded".to_owned(),
     };
-    output::print(&format!("{outcome}: {}; {what}\n", ending.reason))
+    output::print(&format!("{told}; {what}\n"))
+}
+
+/// How a run ended and why, without saying it twice.
+fn told(ending: &Ending) -> String {
+    let outcome = format!("{:?}", ending.outcome).to_lowercase();
+    if ending.reason.starts_with(&outcome) {
+        ending.reason.clone()
+    } else {
+        format!("{outcome}: {}", ending.reason)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::Outcome;
+
+    #[test]
+    fn how_a_run_ended_is_said_once() {
+        let ending = |outcome, reason: &str| told(&Ending { outcome, reason: reason.to_owned() });
+        assert_eq!(ending(Outcome::Stopped, "stopped by interrupt"), "stopped by interrupt");
+        assert_eq!(
+            ending(Outcome::Complete, "all four phases done"),
+            "complete: all four phases done"
+        );
+    }
 }

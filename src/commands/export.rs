@@ -3,8 +3,10 @@
 use super::{CommandError, output};
 use crate::cli::{ExportArgs, ExportFormat};
 use crate::export::native::MapFile;
-use crate::export::ros;
+use crate::export::{geojson, png, ros, svg};
 use crate::runtime::folder::{self, write_whole};
+use crate::runtime::recorded::Rebuilt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Writes the result that was asked for.
@@ -112,30 +114,50 @@ fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
         Ok(bytes) if bytes.is_empty() => refused("the file is empty"),
         Ok(bytes) if name.ends_with("json") && !is_json(&bytes) => refused("the file is damaged"),
         Ok(bytes) => Ok(bytes),
+        Err(error) if error.kind() == ErrorKind::NotFound => match rebuilt(&args.dir, name)? {
+            Some(bytes) => Ok(bytes),
+            None => refused(&error.to_string()),
+        },
         Err(error) => refused(&error.to_string()),
     }
+}
+
+/// The same made from the record of a run that left no results, because it was killed; none where there
+/// is no record of anything.
+fn rebuilt(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, CommandError> {
+    if !dir.join("journal").exists() {
+        return Ok(None);
+    }
+    let Ok(recording) = crate::journal::read(dir) else { return Ok(None) };
+    let made = Rebuilt::of(recording).map_err(|difference| {
+        let why = format!("the record plays back another way than the run went: {difference}");
+        CommandError::Input(format!("{}: {why}", dir.display()))
+    })?;
+    let record = made.record();
+    let drawing = || svg::write(&record, &svg::Options::default());
+    let bytes = match name {
+        "map.geojson" => geojson::write(&record).into_bytes(),
+        "map.json" => MapFile::of(&record).write().into_bytes(),
+        "map.svg" => drawing().into_bytes(),
+        "map.png" => png::render(&drawing(), png::WIDTH)
+            .map_err(|error| CommandError::Input(format!("{name}: cannot be made: {error}")))?,
+        _ => return Ok(None),
+    };
+    output::say("periplus: the run left no results; this is made from its record");
+    Ok(Some(bytes))
 }
 
 fn is_json(bytes: &[u8]) -> bool {
     serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok()
 }
 
-/// What the record says of a run whose results are not there.
+/// What to do about a result that is not there or not whole.
 fn why_missing(dir: &Path) -> String {
     if !dir.join("journal").exists() {
         return "name the --out folder of a finished run".to_owned();
     }
     match crate::journal::read(dir) {
-        Ok(recording) if recording.torn.is_none() => {
-            let records = recording.records.len();
-            format!("its results were not written; its record is there, {records} entries of it")
-        }
-        Ok(recording) => {
-            let records = recording.records.len();
-            format!("its results were not written; its record was cut off after {records} entries")
-        }
-        Err(error) => {
-            format!("its results were not written, and its record cannot be read: {error}")
-        }
+        Ok(_) => "remove it, and it is made again from the record of the run".to_owned(),
+        Err(error) => format!("and the record of the run cannot be read: {error}"),
     }
 }

@@ -17,12 +17,19 @@ use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Checks a keymap.
+/// Checks a keymap and answers what there is to say of it.
 ///
 /// # Errors
 /// Says what is wrong, with file, line and key.
-pub fn check_keymap(path: &Path) -> Result<(), String> {
-    keymap(Some(path)).map(|_| ()).map_err(|error| error.to_string())
+pub fn check_keymap(path: &Path) -> Result<String, String> {
+    let keymap = keymap(Some(path)).map_err(|error| error.to_string())?;
+    Ok(match keymap.out_of_reach()[..] {
+        [] => "keymap".to_owned(),
+        ref without => format!(
+            "keymap; but with no key for the command line nothing leads to {}",
+            without.join(", ")
+        ),
+    })
 }
 
 /// A run in the simulator, ready to be driven; it keeps the record.
@@ -80,13 +87,20 @@ pub fn console(
     })?;
     let noise = common.robot.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
-    let mut driver = SimulatedDriver::new(run.recorded_at(folder.journal()));
+    let driver = SimulatedDriver::new(run.recorded_at(folder.journal()));
+    let mut driver = driver.writing_to(folder.clone());
     let ended = on_screen(&mut driver, keymap)?;
     let wall_seconds = driver.wall_seconds();
     let mut headless = Headless::left(driver.into_run());
+    let unfinished = headless.inner().ending().is_none();
     let kept = Kept::unless(headless.write(&folder, wall_seconds));
     let status = kept.status(0);
     say_recorded(&folder, &kept);
+    if unfinished && kept == Kept::Whole {
+        let why = "the run was not finished: the map is as far as it went; a simulated run is not gone on \
+                   with, only made again";
+        super::output::say(&format!("periplus: {why}"));
+    }
     Ok(status_of(ended, status))
 }
 

@@ -270,11 +270,12 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
     let ended = glue::on_screen(&mut driver, keymap);
     let run = driver.line.leave();
     let ended = ended?;
-    let mut kept = Kept::Whole;
+    let (mut kept, mut unfinished) = (Kept::Whole, false);
     if let Some(mut run) = run {
         let reason = crate::mapping::event::Failure::Ended.to_string();
         let left = Ending { outcome: crate::export::Outcome::Stopped, reason };
         let ending = run.ending().unwrap_or(left);
+        unfinished = run.ending().is_none();
         kept = write(&mut run, &ending, &folder, watch.seconds());
         if kept == Kept::Nothing {
             output::say(&format!("periplus: {}; nothing was recorded", ending.reason));
@@ -283,6 +284,10 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
     // An operator who leaves before the robot was there has seen that it was not.
     let status = if kept == Kept::Nothing { 0 } else { kept.status(0) };
     glue::say_recorded(&folder, &kept);
+    if unfinished && kept != Kept::Nothing {
+        let dir = folder.path().display();
+        output::say(&format!("periplus: the run was not finished; --resume {dir} goes on with it"));
+    }
     Ok(glue::status_of(ended, status))
 }
 
@@ -326,7 +331,8 @@ pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
                 end
             }
             None => {
-                let missing = ArgumentError::Missing { command: "robot", flag: "--pty" };
+                let missing =
+                    ArgumentError::Missing { command: "robot", flag: "--pty or --port DEVICE" };
                 return Err(missing.into());
             }
         };

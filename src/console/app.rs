@@ -93,7 +93,11 @@ async fn turn(
                 let effects = take(&mut model, &snapshot, event?);
                 for effect in effects {
                     match effect {
-                        Effect::Intent(intent) => driver.intent(intent),
+                        Effect::Intent(intent) => {
+                            driver.intent(intent);
+                            // The next key of the same batch acts on how things are, not on the last frame.
+                            snapshot = driver.snapshot();
+                        }
                         Effect::Quit => return Ok(Ending::Quit),
                         Effect::Redraw => { guard.blank()?; drawn = None; }
                         Effect::Suspend => {
@@ -106,7 +110,14 @@ async fn turn(
                             clock.since_last();
                             drawn = None;
                         }
-                        Effect::Export(dir) => export(driver, &mut model, &dir),
+                        Effect::Export(dir) => {
+                            let written = driver.export(std::path::Path::new(&dir));
+                            answer(&mut model, written);
+                        }
+                        Effect::GoTo(seconds) => {
+                            answer(&mut model, driver.go_to(seconds));
+                            snapshot = driver.snapshot();
+                        }
                     }
                 }
             }
@@ -144,6 +155,9 @@ fn pass_time(driver: &mut dyn Driver, model: &Model, clock: &mut dyn Clock) {
         let slice = left.min(0.4);
         driver.advance(slice);
         left -= slice;
+        if driver.is_at_rest() {
+            break;
+        }
     }
 }
 
@@ -164,10 +178,10 @@ fn take(model: &mut Model, snapshot: &crate::session::Snapshot, event: Event) ->
     }
 }
 
-fn export(driver: &mut dyn Driver, model: &mut Model, dir: &str) {
-    let (text, refusal) = match driver.export(std::path::Path::new(dir)) {
+fn answer(model: &mut Model, answer: Result<String, String>) {
+    let (text, refusal) = match answer {
         Ok(text) => (text, false),
         Err(text) => (text, true),
     };
-    model.hint = Some(super::model::Hint { text, refusal });
+    model.hint = Some(super::model::Hint { text, refusal, while_so: None });
 }

@@ -162,12 +162,26 @@ impl Canvas {
         self.each_dot_within(center, radius, Self::clear);
     }
 
-    /// Whether no dot of the cell is set.
+    /// Clears the cells within `radius` metres whose role ranks below `from`.
+    pub fn clear_background(&mut self, center: Point, radius: f64, from: Role) {
+        self.each_dot_within(center, radius, |grid, x, y| {
+            if let Some((cell, _)) = grid.place(x, y)
+                && grid.cells[cell].1 < from
+            {
+                grid.clear(x, y);
+            }
+        });
+    }
+
+    /// What the cell shows; nothing where it has no dots or is out of view.
     #[must_use]
-    pub fn is_free(&self, col: u16, row: u16) -> bool {
-        col < self.view.cols
-            && row < self.view.rows
-            && self.cells[usize::from(row) * usize::from(self.view.cols) + usize::from(col)].0 == 0
+    pub fn shows(&self, col: u16, row: u16) -> Option<Role> {
+        if col >= self.view.cols || row >= self.view.rows {
+            return None;
+        }
+        let cell = usize::from(row) * usize::from(self.view.cols) + usize::from(col);
+        let (dots, role) = self.cells[cell];
+        (dots != 0).then_some(role)
     }
 
     /// Writes the cells that have dots to the upper left of `area`.

@@ -20,6 +20,7 @@ pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("placed", "X,Y,DEG", "the robot was carried, about there; alone: nobody knows where"),
     ("speed", "N", "set the speed of simulated time, or max"),
     ("export", "DIR", "write the map so far"),
+    ("at", "SECONDS", "in a replay: go to that instant, forth or back"),
 ];
 
 /// What was typed, understood.
@@ -37,6 +38,8 @@ pub enum Command {
     Speed(Speed),
     /// Write the map to a folder.
     Export(String),
+    /// Go to an instant of a record, seconds.
+    At(f64),
 }
 
 /// What was typed, not understood.
@@ -68,6 +71,9 @@ pub enum CommandError {
     /// No folder named.
     #[error("export needs a folder, such as `export=my-map`")]
     Export,
+    /// No instant.
+    #[error("at needs seconds of the robot's time, such as `at=90`")]
+    At,
     /// An argument where none belongs.
     #[error("`{name}` stands alone")]
     Alone {
@@ -92,6 +98,11 @@ impl Command {
             "placed" if argument.is_empty() => Ok(Self::Placed(None)),
             "placed" => Ok(Self::Placed(Some(argument.parse()?))),
             "speed" => parse_speed(argument).map(Self::Speed),
+            "at" => {
+                let seconds: Option<f64> = argument.trim_end_matches('s').trim().parse().ok();
+                let instant = |seconds: &f64| seconds.is_finite() && *seconds >= 0.0;
+                seconds.filter(instant).map(Self::At).ok_or(CommandError::At)
+            }
             "export" if argument.is_empty() => Err(CommandError::Export),
             "export" => Ok(Self::Export(argument.to_owned())),
             _ => match Action::named(word) {
@@ -161,6 +172,8 @@ mod tests {
             ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
             ("speed max", Command::Speed(Speed::MAX)),
             ("export some where", Command::Export("some where".to_owned())),
+            ("at=90", Command::At(90.0)),
+            ("at 2.5 s", Command::At(2.5)),
             ("quit", Command::Action(Action::Quit)),
             ("step-phase", Command::Action(Action::StepPhase)),
         ] {
@@ -183,6 +196,8 @@ mod tests {
             ("placed 1,2,nan", "placed takes nothing or a pose: `nan` is not a finite number"),
             ("speed 3", "speed needs one of 1, 2, 5"),
             ("export", "export needs a folder"),
+            ("at", "at needs seconds"),
+            ("at -3", "at needs seconds"),
             ("stop now", "`stop` stands alone"),
             ("zzzzz", "no command `zzzzz`; ? lists them"),
         ] {

@@ -36,6 +36,19 @@ pub trait Driver {
         true
     }
 
+    /// Whether nothing changes until the operator says something: no time needs to pass.
+    fn is_at_rest(&self) -> bool {
+        false
+    }
+
+    /// Goes to an instant of the record, robot seconds, and answers in a few words.
+    ///
+    /// # Errors
+    /// In words, when there is no record, or not as much of it.
+    fn go_to(&mut self, seconds: f64) -> Result<String, String> {
+        Err(format!("no robot goes to {seconds:.0} s; a replay does"))
+    }
+
     /// Writes the map so far to `dir` and answers, in a few words, what was written.
     ///
     /// # Errors

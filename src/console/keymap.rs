@@ -149,6 +149,31 @@ impl Keymap {
     }
 }
 
+impl Keymap {
+    /// How the operator comes to `action`: by its first key, or else by its name on the command line.
+    #[must_use]
+    pub fn way(&self, action: Action) -> String {
+        let (key, line) = (self.label(action), self.label(Action::CommandLine));
+        if key.is_empty() && !line.is_empty() {
+            format!("{line}{}", action.info().name)
+        } else if key.is_empty() {
+            format!("(no key for {})", action.info().name)
+        } else {
+            key
+        }
+    }
+
+    /// The actions that this keymap leaves without a way to them: no key, and none for the command line.
+    #[must_use]
+    pub fn out_of_reach(&self) -> Vec<&'static str> {
+        if self.keys(Action::CommandLine).next().is_some() {
+            return Vec::new();
+        }
+        let without = ACTIONS.iter().filter(|info| self.keys(info.action).next().is_none());
+        without.map(|info| info.name).collect()
+    }
+}
+
 struct Reader<'a> {
     text: &'a str,
     file: &'a str,

@@ -4,6 +4,7 @@
 use super::driver::Speed;
 use super::keymap::Keymap;
 use crate::geometry::Point;
+use crate::session::snapshot::{Known, RunState, Snapshot};
 
 /// Where the map looks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -43,28 +44,30 @@ pub enum Overlay {
     ConfirmFinish,
 }
 
-/// Whether a layer of the map is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Layer {
-    /// As long as the run goes on: it tells what is done. What is handed over at the end is a map.
-    #[default]
-    UnderWay,
-    /// Always.
-    Shown,
-    /// Never.
-    Hidden,
+/// Whether a layer of the map is shown. While the run goes on it tells what is done; what is handed over
+/// at the end is a map. So what was toggled before the end has no say after it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layer {
+    /// As long as the run goes on.
+    pub under_way: bool,
+    /// When it is over.
+    pub over: bool,
 }
 
 impl Layer {
+    const HIDDEN: Self = Self { under_way: false, over: false };
+    const UNDER_WAY: Self = Self { under_way: true, over: false };
+
     /// Whether it is shown, when the run is `over` or not.
     #[must_use]
     pub fn is_shown(self, over: bool) -> bool {
-        self == Self::Shown || (self == Self::UnderWay && !over)
+        if over { self.over } else { self.under_way }
     }
 
     /// The other way round from how it is.
     pub fn toggle(&mut self, over: bool) {
-        *self = if self.is_shown(over) { Self::Hidden } else { Self::Shown };
+        let shown = if over { &mut self.over } else { &mut self.under_way };
+        *shown = !*shown;
     }
 }
 
@@ -84,10 +87,10 @@ pub struct Layers {
 impl Default for Layers {
     fn default() -> Self {
         Self {
-            contacts: Layer::Hidden,
-            trajectory: Layer::UnderWay,
-            plan: Layer::UnderWay,
-            rejected: Layer::Hidden,
+            contacts: Layer::HIDDEN,
+            trajectory: Layer::UNDER_WAY,
+            plan: Layer::UNDER_WAY,
+            rejected: Layer::HIDDEN,
         }
     }
 }
@@ -99,6 +102,46 @@ pub struct Hint {
     pub text: String,
     /// Whether something was refused.
     pub refusal: bool,
+    /// How things stand while it is true; none where it stays true.
+    pub while_so: Option<Standing>,
+}
+
+/// How things stand with the run: what a remark may be about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Standing {
+    /// Whether the robot may move.
+    pub run: RunState,
+    /// Whether a stop holds.
+    pub latched: bool,
+    /// Whether the robot is heard.
+    pub heard: bool,
+}
+
+impl Standing {
+    /// How things stand in `snapshot`.
+    #[must_use]
+    pub fn of(snapshot: &Snapshot) -> Self {
+        let heard = !matches!(snapshot.robot, Known::Stale { .. });
+        Self { run: snapshot.run, latched: snapshot.latched, heard }
+    }
+}
+
+/// A value that was asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Asked {
+    /// What it was.
+    pub from: f64,
+    /// What it is to be.
+    pub to: f64,
+}
+
+/// How far the log is scrolled back. Events are counted from the first of the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LogView {
+    /// The first event that is no longer shown.
+    pub end: u64,
+    /// As many events there were when the operator scrolled: an alarm after that brings the newest back.
+    pub known: u64,
 }
 
 /// What the console remembers.
@@ -116,8 +159,11 @@ pub struct Model {
     pub speed: Option<Speed>,
     /// What the map shows.
     pub layers: Layers,
-    /// How many log lines the view is scrolled back.
-    pub log_back: usize,
+    /// The α that was asked for last, and what it was when it was: until the run has heard of it, another
+    /// step goes on from there.
+    pub asked_alpha: Option<Asked>,
+    /// Where the log looks, if not at what happened last.
+    pub log: Option<LogView>,
     /// Whether the log shows routine lines.
     pub log_detail: bool,
     /// The command typed last, for the up arrow.
@@ -127,6 +173,13 @@ pub struct Model {
 }
 
 impl Model {
+    /// The remark of the last key, if it is still true.
+    #[must_use]
+    pub fn remark(&self, snapshot: &Snapshot) -> Option<&Hint> {
+        let so = |hint: &&Hint| hint.while_so.is_none_or(|then| then == Standing::of(snapshot));
+        self.hint.as_ref().filter(so)
+    }
+
     /// A fresh console of `cols` by `rows` cells.
     #[must_use]
     pub fn new(cols: u16, rows: u16, keymap: Keymap) -> Self {
@@ -137,7 +190,8 @@ impl Model {
             hint: None,
             speed: Some(Speed::default()),
             layers: Layers::default(),
-            log_back: 0,
+            asked_alpha: None,
+            log: None,
             log_detail: true,
             last_line: String::new(),
             keymap,

@@ -38,7 +38,10 @@ impl Guard {
         TAKEN.store(true, Ordering::Release);
         enter(&mut screen.sheet())?;
         let terminal = Terminal::new(CrosstermBackend::new(screen.sheet()))?;
-        Ok(Self { terminal: ManuallyDrop::new(terminal), screen })
+        let mut guard = Self { terminal: ManuallyDrop::new(terminal), screen };
+        // A program that was killed may have left its screen behind.
+        guard.blank()?;
+        Ok(guard)
     }
 
     /// Gives the terminal to the shell, as Ctrl-Z does, and takes it on again when the shell gives it

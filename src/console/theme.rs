@@ -68,6 +68,8 @@ pub enum Role {
     Start,
     /// Map: a contact.
     Contact,
+    /// Map: a stretch of the outline that nobody touched.
+    Untouched,
     /// Map: the wall line.
     Wall,
     /// Map: the outline of an object.
@@ -86,7 +88,7 @@ pub enum Role {
 
 impl Role {
     /// Every role, in order.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::Text,
         Self::Muted,
         Self::Rule,
@@ -117,6 +119,7 @@ impl Role {
         Self::LineBlocked,
         Self::Start,
         Self::Contact,
+        Self::Untouched,
         Self::Wall,
         Self::Object,
         Self::LineDriving,
@@ -129,7 +132,7 @@ impl Role {
     /// The letter that stands for the role in the second plane of a text frame.
     #[must_use]
     pub fn letter(self) -> char {
-        const LETTERS: &[u8; 37] = b".mr=vou#hnwfgabeRPSCFxtcpdskiqWOLHzZB";
+        const LETTERS: &[u8; 38] = b".mr=vou#hnwfgabeRPSCFxtcpdskiqyWOLHzZB";
         char::from(LETTERS[self as usize])
     }
 }
@@ -219,6 +222,7 @@ fn colour_of(role: Role) -> Option<Color> {
         | Role::Warning
         | Role::Paused
         | Role::RobotStale
+        | Role::Untouched
         | Role::HiddenDisc => Some(Color::Yellow),
         Role::Fault
         | Role::Stopped

@@ -6,7 +6,8 @@ use super::command::Command;
 use super::driver::Speed;
 use super::key::Key;
 use super::layout::Regions;
-use super::model::{Camera, Hint, Model, Overlay};
+use super::model::{Asked, Camera, Hint, Model, Overlay, Standing};
+use super::view::log::scrolled;
 use super::view::map::viewport;
 use crate::geometry::{Point, Vector};
 use crate::mapping::settings::ALPHA;
@@ -22,6 +23,8 @@ pub enum Effect {
     Intent(Intent),
     /// Write the map to this folder.
     Export(String),
+    /// Go to this instant of the record, seconds.
+    GoTo(f64),
     /// Draw everything anew.
     Redraw,
     /// Give the shell its turn, with the robot at rest.
@@ -34,8 +37,16 @@ pub enum Effect {
 const ALPHA_STEP: f64 = 0.05;
 /// How much closer one key brings the map.
 const ZOOM: f64 = 1.25;
+/// How many times as far as where all is in view one can go.
+const FARTHEST: f64 = 8.0;
 /// The share of the view that one key pans.
 const PAN: f64 = 0.125;
+
+/// How many entries of the log one key scrolls by.
+const LOG_STEP: isize = 3;
+
+/// A robot that was not heard for so long is lost until it is heard again, seconds.
+pub(super) const LOST: f64 = 1.5;
 
 /// Whether leaving now would leave a moving robot behind.
 #[must_use]
@@ -60,12 +71,22 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
         }
         return perform(model, snapshot, Action::Stop);
     }
-    match std::mem::take(&mut model.overlay) {
+    let overlay = std::mem::take(&mut model.overlay);
+    if Regions::of(model.size.0, model.size.1).is_none() && overlay != Overlay::ConfirmQuit {
+        // Whoever does not see what a key does shall not do it unawares.
+        return match action {
+            Some(Action::Quit | Action::Redraw | Action::Suspend) => {
+                action.map_or_else(Vec::new, |action| perform(model, snapshot, action))
+            }
+            _ => Vec::new(),
+        };
+    }
+    match overlay {
         Overlay::None => {
             if let Some(action) = action {
                 perform(model, snapshot, action)
             } else {
-                let help = model.keymap.label(Action::Help);
+                let help = model.keymap.way(Action::Help);
                 refuse(model, format!("{key} does nothing here; {help} shows the keys"))
             }
         }
@@ -94,29 +115,50 @@ pub fn paste(model: &mut Model, text: &str) {
         );
     } else {
         let line = model.keymap.label(Action::CommandLine);
-        refuse(model, format!("pasted text is ignored here; {line} opens the command line"));
+        let how = if line.is_empty() {
+            "no key opens the command line".to_owned()
+        } else {
+            format!("{line} opens the command line")
+        };
+        refuse(model, format!("pasted text is ignored here; {how}"));
     }
+}
+
+/// Whether `action` would change what happened: in a replay there is nothing for it to do.
+#[must_use]
+pub fn changes_the_run(action: Action) -> bool {
+    matches!(
+        action,
+        Action::ClearStop
+            | Action::AlphaDown
+            | Action::AlphaUp
+            | Action::LapAgain
+            | Action::LapAnew
+            | Action::Square
+            | Action::Finish
+    )
 }
 
 /// Does what the action says.
 pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     match action {
+        _ if snapshot.recorded && changes_the_run(action) => return only_looked_at(model),
         Action::Stop => return vec![Effect::Intent(Intent::Stop)],
         Action::ClearStop if snapshot.latched => {
-            let run = model.keymap.label(Action::RunPause);
-            let on = snapshot.run == RunState::Stopped;
-            let then = if on { format!("; {run} runs on") } else { String::new() };
-            tell(model, format!("stop cleared{then}"));
-            return vec![Effect::Intent(Intent::ClearStop)];
+            return clear_stop(model, snapshot);
         }
-        Action::ClearStop => return refuse(model, "the robot is not stopped".to_owned()),
+        Action::ClearStop => {
+            return refuse_now(model, snapshot, "the robot is not stopped".to_owned());
+        }
         Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
             return go(model, snapshot, action);
         }
         Action::AlphaDown => {
-            return set_alpha(model, snapshot, snapshot.settings.alpha - ALPHA_STEP);
+            return set_alpha(model, snapshot, alpha_now(model, snapshot) - ALPHA_STEP);
         }
-        Action::AlphaUp => return set_alpha(model, snapshot, snapshot.settings.alpha + ALPHA_STEP),
+        Action::AlphaUp => {
+            return set_alpha(model, snapshot, alpha_now(model, snapshot) + ALPHA_STEP);
+        }
         Action::SlowDown => return set_speed(model, Speed::slower),
         Action::SpeedUp => return set_speed(model, Speed::faster),
         Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
@@ -138,8 +180,8 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         | Action::TogglePlan
         | Action::ToggleRejected
         | Action::ToggleDetail => toggle(model, snapshot, action),
-        Action::LogUp => model.log_back = (model.log_back + 3).min(snapshot.events.len()),
-        Action::LogDown => model.log_back = model.log_back.saturating_sub(3),
+        Action::LogUp => scroll(model, snapshot, -LOG_STEP),
+        Action::LogDown => scroll(model, snapshot, LOG_STEP),
         Action::Help => model.overlay = Overlay::Help(0),
         Action::CommandLine => model.overlay = Overlay::Line(String::new()),
         Action::Redraw => return vec![Effect::Redraw],
@@ -151,20 +193,48 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
 }
 
 fn tell(model: &mut Model, text: String) -> Vec<Effect> {
-    model.hint = Some(Hint { text, refusal: false });
+    model.hint = Some(Hint { text, refusal: false, while_so: None });
     Vec::new()
 }
 
 fn refuse(model: &mut Model, text: String) -> Vec<Effect> {
-    model.hint = Some(Hint { text, refusal: true });
+    model.hint = Some(Hint { text, refusal: true, while_so: None });
     Vec::new()
+}
+
+/// Refuses for a reason that lies in how things stand: when that changes, it is no longer said.
+fn refuse_now(model: &mut Model, snapshot: &Snapshot, text: String) -> Vec<Effect> {
+    model.hint = Some(Hint { text, refusal: true, while_so: Some(Standing::of(snapshot)) });
+    Vec::new()
+}
+
+fn only_looked_at(model: &mut Model) -> Vec<Effect> {
+    refuse(model, "a replay: what happened is looked at, not changed".to_owned())
+}
+
+fn scroll(model: &mut Model, snapshot: &Snapshot, by: isize) {
+    if let Some(regions) = Regions::of(model.size.0, model.size.1) {
+        model.log = scrolled(model, snapshot, regions.log, by);
+    }
+}
+
+fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
+    let mut standing = Standing { latched: false, ..Standing::of(snapshot) };
+    let text = if snapshot.run == RunState::Stopped {
+        standing.run = RunState::Paused;
+        format!("stop cleared; {} runs on", model.keymap.way(Action::RunPause))
+    } else {
+        "stop cleared".to_owned()
+    };
+    model.hint = Some(Hint { text, refusal: false, while_so: Some(standing) });
+    vec![Effect::Intent(Intent::ClearStop)]
 }
 
 fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     match snapshot.run {
         RunState::Stopped => {
-            let clear = model.keymap.label(Action::ClearStop);
-            return refuse(model, format!("stopped: {clear} clears the stop first"));
+            let clear = model.keymap.way(Action::ClearStop);
+            return refuse_now(model, snapshot, format!("stopped: {clear} clears the stop first"));
         }
         RunState::Complete => return refuse(model, "the run is complete".to_owned()),
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
@@ -178,13 +248,17 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         _ => Intent::Pause,
     };
     // A robot that is not there is not told to drive; that it is to pause can do no harm.
-    if let Known::Stale { age, .. } = snapshot.robot
-        && intent != Intent::Pause
-    {
-        let text = format!("not heard for {age:.1} s: see to the link, or quit and --resume");
-        return refuse(model, text);
+    if matches!(snapshot.robot, Known::Stale { .. }) && intent != Intent::Pause {
+        let text = "the robot is not heard: see to the link, or quit and --resume";
+        return refuse_now(model, snapshot, text.to_owned());
     }
     vec![Effect::Intent(intent)]
+}
+
+/// What α is, or will be as soon as the run hears of the last key: keys may come faster than frames.
+fn alpha_now(model: &Model, snapshot: &Snapshot) -> f64 {
+    let alpha = snapshot.settings.alpha;
+    model.asked_alpha.filter(|asked| asked.from == alpha).map_or(alpha, |asked| asked.to)
 }
 
 fn set_alpha(model: &mut Model, snapshot: &Snapshot, alpha: f64) -> Vec<Effect> {
@@ -195,7 +269,8 @@ fn set_alpha(model: &mut Model, snapshot: &Snapshot, alpha: f64) -> Vec<Effect> 
     // Whole micrometres, so that steps up and down meet again.
     let alpha = ((alpha * 1e6).round() / 1e6).clamp(ALPHA.0, ALPHA.1);
     tell(model, format!("α {alpha:.2} m: {}", alpha_means(alpha)));
-    let changes = alpha != snapshot.settings.alpha;
+    let changes = alpha != alpha_now(model, snapshot);
+    model.asked_alpha = Some(Asked { from: snapshot.settings.alpha, to: alpha });
     changes.then_some(Effect::Intent(Intent::SetAlpha { alpha })).into_iter().collect()
 }
 
@@ -246,9 +321,12 @@ fn look(model: &mut Model, snapshot: &Snapshot, action: Action) {
     };
     let view = viewport(&model.camera, snapshot, regions.map);
     let center = view.center;
+    // Further away than this the map is a speck, and then nothing.
+    let farthest = viewport(&Camera::Fit, snapshot, regions.map).scale * FARTHEST;
     let zoomed = |factor: f64| {
-        let scale = (view.scale * factor)
-            .clamp(super::canvas::viewport::FINEST, super::canvas::viewport::COARSEST);
+        let wanted = (view.scale * factor).min(farthest.max(view.scale));
+        let scale =
+            wanted.clamp(super::canvas::viewport::FINEST, super::canvas::viewport::COARSEST);
         match model.camera {
             Camera::Follow { .. } => Camera::Follow { scale, around: center },
             Camera::Fit | Camera::Free { .. } => Camera::Free { scale, center },
@@ -326,6 +404,9 @@ fn press_in_line(
 
 fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
     match command {
+        Command::Alpha(_) | Command::Tape(_) | Command::Placed(_) if snapshot.recorded => {
+            only_looked_at(model)
+        }
         Command::Action(action) => perform(model, snapshot, action),
         Command::Alpha(alpha) => set_alpha(model, snapshot, alpha),
         Command::Tape(Tape { from, to, length }) => {
@@ -338,6 +419,7 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
         Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
         Command::Speed(speed) => set_speed(model, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
+        Command::At(seconds) => vec![Effect::GoTo(seconds)],
     }
 }
 
@@ -345,4 +427,73 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
 fn is_outside(snapshot: &Snapshot, place: Point) -> bool {
     let shape = snapshot.map.shape.as_ref();
     shape.is_some_and(|shape| !shape.outline.contains(place))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::console::Keymap;
+    use crate::geometry::Pose;
+    use crate::mapping::settings::Settings;
+
+    fn waiting() -> (Model, Snapshot) {
+        let settings = Settings::new(Pose::new(0.0, 0.0, 0.0));
+        (Model::new(80, 24, Keymap::default()), Snapshot::waiting(settings, "nowhere"))
+    }
+
+    #[test]
+    fn keys_that_come_faster_than_frames_each_count() {
+        let (mut model, mut snapshot) = waiting();
+        let mut alphas = Vec::new();
+        let mut key = |model: &mut Model, snapshot: &Snapshot, action: Action| {
+            for effect in perform(model, snapshot, action) {
+                let Effect::Intent(Intent::SetAlpha { alpha }) = effect else { continue };
+                alphas.push(alpha);
+            }
+        };
+        key(&mut model, &snapshot, Action::AlphaUp);
+        key(&mut model, &snapshot, Action::AlphaUp);
+        // Now the run has heard of both, and later of a step back.
+        snapshot.settings.alpha = 0.35;
+        key(&mut model, &snapshot, Action::AlphaDown);
+        snapshot.settings.alpha = 0.3;
+        key(&mut model, &snapshot, Action::AlphaUp);
+        key(&mut model, &snapshot, Action::AlphaDown);
+        assert_eq!(alphas, [0.3, 0.35, 0.3, 0.35, 0.3]);
+    }
+
+    #[test]
+    fn a_layer_shown_under_way_is_not_shown_at_the_end() {
+        let (mut model, mut snapshot) = waiting();
+        perform(&mut model, &snapshot, Action::ToggleContacts);
+        assert!(model.layers.contacts.is_shown(false) && !model.layers.contacts.is_shown(true));
+        snapshot.run = RunState::Complete;
+        perform(&mut model, &snapshot, Action::ToggleContacts);
+        assert!(model.layers.contacts.is_shown(true), "but one may ask for it");
+    }
+
+    #[test]
+    fn the_map_is_not_lost_by_going_further_and_further_away() {
+        let (mut model, snapshot) = waiting();
+        for _ in 0..100 {
+            perform(&mut model, &snapshot, Action::ZoomOut);
+        }
+        let map = Regions::of(80, 24).expect("large enough").map;
+        let ranges =
+            [model.camera, Camera::Fit].map(|camera| viewport(&camera, &snapshot, map).x_range());
+        assert!(ranges[0] > 5.0 * ranges[1] && ranges[0] < 10.0 * ranges[1], "{ranges:?}");
+    }
+
+    #[test]
+    fn what_has_no_key_is_called_by_its_name() {
+        let bare = Keymap::parse("[keys]\nstop = [\"space\"]\nquit = [\"q\"]\n", "bare.toml");
+        let bare = bare.expect("a keymap");
+        assert_eq!(bare.way(Action::ClearStop), "(no key for clear)");
+        assert!(bare.out_of_reach().contains(&"clear") && !bare.out_of_reach().contains(&"stop"));
+        let line = "[keys]\nstop = [\"space\"]\nquit = [\"q\"]\ncommand-line = [\":\"]\n";
+        let line = Keymap::parse(line, "line.toml").expect("a keymap");
+        assert_eq!(line.way(Action::ClearStop), ":clear");
+        assert!(line.out_of_reach().is_empty(), "everything has a name");
+        assert_eq!(Keymap::default().way(Action::ClearStop), "c");
+    }
 }

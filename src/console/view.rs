@@ -18,15 +18,16 @@ mod banner;
 mod footer;
 mod header;
 pub mod help;
-mod log;
+pub mod log;
 pub mod map;
 mod panel;
 mod pen;
 mod phases;
 mod switches;
+mod too_small;
 mod words;
 
-use super::layout::{MIN_COLS, MIN_ROWS, Regions};
+use super::layout::Regions;
 use super::model::{Model, Overlay};
 use super::theme::{Role, Theme};
 use crate::session::Snapshot;
@@ -37,18 +38,23 @@ use ratatui::layout::Rect;
 /// Draws everything. `area` is the whole screen, its upper left corner at the origin.
 pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
     let Some(regions) = Regions::of(area.width, area.height) else {
-        return draw_too_small(snapshot, theme, area, buf);
+        return too_small::draw(model, snapshot, theme, area, buf);
     };
     header::draw(model, snapshot, theme, regions.header, buf);
     phases::draw(snapshot, theme, regions.phases, buf);
-    draw_rules(&regions, snapshot, theme, buf);
+    draw_rules(model, &regions, snapshot, theme, buf);
     let shown = map::viewport(&model.camera, snapshot, regions.map);
     map::draw(model, snapshot, shown, theme, regions.map, buf);
     map::draw_title(model, snapshot, shown, theme, &regions, buf);
     panel::draw(snapshot, theme, regions.panel, buf);
-    log::draw(model, snapshot, theme, regions.log, buf);
-    banner::draw(model, snapshot, theme, regions.map, buf);
-    footer::draw(model, snapshot, theme, regions.footer, buf);
+    // A long remark takes its room from the log, where the oldest lines give way.
+    let taken = footer::extra_rows(model, snapshot, regions.footer).min(regions.log.height - 1);
+    let log = Rect { height: regions.log.height - taken, ..regions.log };
+    log::draw(model, snapshot, theme, log, buf);
+    banner::draw(model, snapshot, shown, theme, regions.map, buf);
+    let top = regions.footer.y - taken;
+    let footer = Rect { y: top, height: taken + regions.footer.height, ..regions.footer };
+    footer::draw(model, snapshot, theme, footer, buf);
     if let Overlay::Help(scroll) = model.overlay {
         help::draw(model, scroll, theme, area, buf);
     }
@@ -56,7 +62,13 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
 
 /// The frame between the regions. It is doubled while the robot is stopped, so that the state
 /// shows wherever one looks.
-fn draw_rules(regions: &Regions, snapshot: &Snapshot, theme: &Theme, buf: &mut Buffer) {
+fn draw_rules(
+    model: &Model,
+    regions: &Regions,
+    snapshot: &Snapshot,
+    theme: &Theme,
+    buf: &mut Buffer,
+) {
     let stopped = snapshot.run == crate::session::RunState::Stopped;
     let [flat, tee_down, tee_up, upright, branch] = if stopped {
         ["═", "╤", "╧", "│", "╞"]
@@ -77,19 +89,6 @@ fn draw_rules(regions: &Regions, snapshot: &Snapshot, theme: &Theme, buf: &mut B
     let joint = if regions.log_at_side { branch } else { tee_up };
     pen.text(side.x, regions.log_rule.y, joint, Role::Rule);
     pen.text(side.x + 2, regions.top_rule.y, " robot ", Role::Title);
-    pen.text(regions.log_rule.x + 2, regions.log_rule.y, " log ", Role::Title);
-}
-
-fn draw_too_small(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
-    let mut pen = Pen::new(buf, theme, area);
-    let (label, role) = words::run_state(snapshot);
-    pen.text(area.x, area.y, &label, role);
-    let lines = [
-        format!("terminal {}x{} is too small:", area.width, area.height),
-        format!("needs {MIN_COLS}x{MIN_ROWS}"),
-        "(stop and quit still work)".to_owned(),
-    ];
-    for (row, line) in (1..).zip(&lines) {
-        pen.text(area.x, area.y.saturating_add(row), line, Role::Warning);
-    }
+    let log = log::title(model, snapshot);
+    pen.text(regions.log_rule.x + 2, regions.log_rule.y, &log, Role::Title);
 }

@@ -1,10 +1,11 @@
 //! `map.json`: the map itself in its smallest lossless form (paper IV.1). Arcs stay arcs; the
-//! trajectory, the contacts and the plan's lines are not part of it. Reads back what it writes.
+//! trajectory, the plan's lines and, once there is an outline, the contacts are not part of it. Reads back
+//! what it writes.
 //!
 //! Outlines are lists of `[x, y]` or `[x, y, bulge]` as in world files: metres to a tenth of a
 //! millimetre, bulge = tan(sweep / 4) of the arc to the next vertex, positive counter-clockwise.
 
-use super::{RunRecord, boundary, rounded};
+use super::{RunRecord, boundary, position, rounded, surface_points};
 use crate::geometry::{Piece, Point, Ring, angle};
 use crate::mapping::map::{ObjectClass, Part, PartClass, Plan, RoomMap, ShapeClass};
 use crate::mapping::settings::Strategy;
@@ -32,6 +33,9 @@ pub struct MapFile {
     /// The wall line, counter-clockwise, once the lap is closed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub boundary: Option<Outline>,
+    /// Until then the places where something was met, in the order in which it was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub touched: Vec<[f64; 2]>,
     /// The parts of a complex shape; empty when there is only the whole.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartFile>,
@@ -153,6 +157,7 @@ impl MapFile {
         let start = record.settings.start;
         let shape = map.shape.as_ref();
         let parts = shape.map_or(&[][..], |shape| &shape.parts);
+        let boundary = boundary(record);
         Self {
             periplus_map: VERSION,
             name: record.world.to_owned(),
@@ -164,7 +169,11 @@ impl MapFile {
                 rounded(start.heading.to_degrees(), 4),
             ],
             class: shape.map(|shape| shape.class),
-            boundary: boundary(record).map(|ring| Outline::of(&ring)),
+            touched: match boundary {
+                Some(_) => Vec::new(),
+                None => surface_points(map).into_iter().map(position).collect(),
+            },
+            boundary: boundary.as_ref().map(Outline::of),
             parts: if parts.len() > 1 { parts.iter().map(PartFile::of).collect() } else { vec![] },
             objects: map
                 .objects

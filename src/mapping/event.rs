@@ -162,6 +162,11 @@ pub enum EventKind {
         /// The farthest that a corner was moved, metres.
         moved: f64,
     },
+    /// Whether the map is to be squared as soon as there is an outline.
+    SquareNoted {
+        /// It is.
+        wanted: bool,
+    },
     /// There are no nearly right angles.
     NothingSquare,
     /// The map is handed over as it was mapped.

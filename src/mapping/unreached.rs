@@ -8,7 +8,7 @@
 use super::floor::{Floor, SPARE, component};
 use super::map::{Contact, MappedObject};
 use super::shape::mouths;
-use crate::geometry::{Point, Ring};
+use crate::geometry::{Piece, Point, Ring};
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,28 @@ pub struct Unreached {
     /// Where the centre of the body could stand behind it, square metres; none where nobody knows what
     /// lies there.
     pub area: Option<f64>,
+}
+
+/// Squaring and adjusting move a stretch by no more than this after it was found, metres.
+const MOVED: f64 = 0.1;
+
+impl Unreached {
+    /// Whether nobody knows what is there: a stretch of the outline that was not touched.
+    #[must_use]
+    pub fn is_untouched(&self) -> bool {
+        self.area.is_none()
+    }
+
+    /// Which piece of `outline` an untouched stretch is; none where none fits it any longer.
+    #[must_use]
+    pub fn piece_of(&self, outline: &Ring) -> Option<usize> {
+        let off = |piece: &Piece| {
+            (piece.at(0.5) - self.at).norm().max((piece.length() - self.width).abs())
+        };
+        let pieces = outline.pieces.iter().map(off).enumerate();
+        let nearest = pieces.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.filter(|(_, off)| *off < MOVED).map(|(k, _)| k)
+    }
 }
 
 /// What of the room within `outline`, seen as `contacts` and with `objects` on it, a robot that stands at

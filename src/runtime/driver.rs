@@ -1,7 +1,7 @@
 //! The console's driver over a simulated run, and the console's clock.
 
 use super::simulated::SimulatedRun;
-use super::{Signals, Stopwatch};
+use super::{OutputFolder, Signals, Stopwatch, folder};
 use crate::console::driver::{Clock, Driver};
 use crate::firmware::STEP;
 use crate::robot::Intent;
@@ -16,13 +16,35 @@ pub struct SimulatedDriver<W: Write> {
     /// Robot time that is owed, seconds: less than a step.
     owed: f64,
     watch: Stopwatch,
+    folder: Option<OutputFolder>,
+    /// Which state of the run the results that were written are of.
+    written: Option<u64>,
 }
 
 impl<W: Write> SimulatedDriver<W> {
     /// Hands `run` to the operator; from now on its time on the wall clock is taken.
     #[must_use]
     pub fn new(run: SimulatedRun<W>) -> Self {
-        Self { run, owed: 0.0, watch: Stopwatch::start() }
+        Self { run, owed: 0.0, watch: Stopwatch::start(), folder: None, written: None }
+    }
+
+    /// The same run, whose results go to `folder` as soon as it has ended: whatever becomes of the
+    /// console after that, they are there.
+    #[must_use]
+    pub fn writing_to(self, folder: OutputFolder) -> Self {
+        Self { folder: Some(folder), ..self }
+    }
+
+    /// Writes the results of a run that has ended and stands still, and again when the operator changed
+    /// something after that.
+    fn write_ended(&mut self) {
+        let version = self.run.session().version();
+        let Some(folder) = &self.folder else { return };
+        if self.written == Some(version) || self.run.is_under_way() || self.run.ending().is_none() {
+            return;
+        }
+        self.run.write_results(folder, self.watch.seconds());
+        self.written = Some(self.run.session().version());
     }
 
     /// How long the operator has had the run, seconds.
@@ -52,6 +74,7 @@ impl<W: Write> Driver for SimulatedDriver<W> {
     }
 
     fn advance(&mut self, seconds: f64) {
+        self.write_ended();
         self.owed += seconds;
         while self.owed >= STEP {
             self.owed -= STEP;
@@ -64,8 +87,12 @@ impl<W: Write> Driver for SimulatedDriver<W> {
         }
     }
 
+    fn is_at_rest(&self) -> bool {
+        !self.run.is_under_way()
+    }
+
     fn export(&mut self, dir: &Path) -> Result<String, String> {
-        self.run.export(dir, self.watch.seconds())
+        self.run.export(&folder::named(dir)?, self.watch.seconds())
     }
 }
 

@@ -18,7 +18,7 @@ pub const RESULTS: [&str; 7] =
 const LONGEST_HEADER: u64 = 1 << 20;
 
 /// A folder that takes the results of one run.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct OutputFolder {
     path: PathBuf,
 }
@@ -207,6 +207,28 @@ impl OutputFolder {
     }
 }
 
+/// The folder that somebody named where no shell reads along: `~` is the home folder, and the answer is
+/// whole, so that what is told of it can be found.
+///
+/// # Errors
+/// In words, when it is nobody's home, or there is no telling where it is.
+pub fn named(dir: &Path) -> Result<PathBuf, String> {
+    under(dir, std::env::var_os("HOME").map(PathBuf::from))
+}
+
+fn under(dir: &Path, home: Option<PathBuf>) -> Result<PathBuf, String> {
+    let refused = |why: &str| Err(format!("{}: {why}", dir.display()));
+    let dir = match (dir.strip_prefix("~"), home) {
+        (Ok(rest), Some(home)) => home.join(rest),
+        (Ok(_), None) => return refused("nobody knows where the home folder is"),
+        (Err(_), _) if dir.to_string_lossy().starts_with('~') => {
+            return refused("name the folder of another user in full");
+        }
+        (Err(_), _) => dir.to_owned(),
+    };
+    std::path::absolute(&dir).map_err(|error| format!("{}: {error}", dir.display()))
+}
+
 /// Whether the record at `path` is one of a run that never began.
 fn is_unbegun(path: &Path) -> bool {
     let name = path.file_name().is_some_and(|name| name == "journal");
@@ -331,6 +353,17 @@ mod tests {
         fs::write(path.join("journal"), "my diary").expect("a file");
         assert!(OutputFolder::create(&path).is_err(), "somebody's file was taken");
         let _ = fs::remove_dir_all(&path);
+    }
+
+    #[test]
+    fn a_folder_named_in_the_console_is_where_a_shell_would_put_it() {
+        let home = || Some(PathBuf::from("/home/ada"));
+        let of = |name: &str| under(Path::new(name), home());
+        assert_eq!(of("~/map"), Ok(PathBuf::from("/home/ada/map")));
+        assert_eq!(of("/tmp/~/map"), Ok(PathBuf::from("/tmp/~/map")));
+        assert!(of("map").is_ok_and(|dir| dir.is_absolute() && dir.ends_with("map")));
+        assert!(of("~bob/map").is_err(), "a folder called ~bob is not what was meant");
+        assert!(under(Path::new("~/map"), None).is_err());
     }
 
     #[test]

@@ -40,7 +40,7 @@ impl Bar {
         let share =
             progress.share.map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
         bar.set_message(format!(
-            "{}{share} · {:.0} s simulated, {:.1} m driven · {wall:.0} s",
+            "{}{share} · {:.0} s of the robot's time, {:.1} m driven · {wall:.0} s",
             progress.phase, progress.time, progress.travel
         ));
     }

@@ -1,14 +1,71 @@
 //! The console's driver over a record: the operator's keys steer the playback, not the run. Nothing
 //! moves; a stop pauses the picture.
 
+use super::Ending;
 use crate::console::driver::Driver;
+use crate::export::{Outcome, RunRecord};
+use crate::journal::Recording;
+use crate::mapping::map::RoomMap;
 use crate::robot::Intent;
-use crate::session::replay::{Landmark, Replay};
+use crate::session::replay::{Difference, Landmark, Replay};
 use crate::session::{RunState, Snapshot};
 use std::path::Path;
 
+/// What a record says of its run: the map made once more, as the run had it where the record ends. What
+/// only a simulator knows is not part of it.
+pub struct Rebuilt {
+    replay: Replay,
+    map: RoomMap,
+    noise: String,
+    ending: Ending,
+}
+
+impl Rebuilt {
+    /// Plays `recording` back to its end.
+    ///
+    /// # Errors
+    /// When it does not go the way that the run went.
+    pub fn of(recording: Recording) -> Result<Self, Difference> {
+        let noise = recording.header.noise.clone();
+        let mut replay = Replay::new(recording);
+        replay.finish();
+        if let Some(difference) = replay.difference() {
+            return Err(difference.clone());
+        }
+        let ending = Ending::of(replay.session()).unwrap_or(Ending {
+            outcome: Outcome::Stopped,
+            reason: "the record ends here".to_owned(),
+        });
+        let map = replay.session().mission().map_now();
+        Ok(Self { replay, map, noise, ending })
+    }
+
+    /// The same as the exports need it.
+    #[must_use]
+    pub fn record(&self) -> RunRecord<'_> {
+        let session = self.replay.session();
+        let mission = session.mission();
+        RunRecord {
+            map: &self.map,
+            settings: mission.settings(),
+            outcome: self.ending.outcome,
+            reason: &self.ending.reason,
+            world: session.source(),
+            noise: &self.noise,
+            progress: *session.progress(),
+            laps: mission.laps(),
+            bumps: mission.bumps(),
+            contact: 0.0,
+            true_path: None,
+            wall_seconds: 0.0,
+        }
+    }
+}
+
 /// A recorded run under an operator's hands.
 pub struct RecordedDriver {
+    /// As it was in the beginning, to go back.
+    first: Replay,
     replay: Replay,
     /// Instant of the playback, robot seconds.
     at: f64,
@@ -22,7 +79,7 @@ impl RecordedDriver {
     pub fn new(mut replay: Replay) -> Self {
         // The greeting and the first wish happened at nought: without them there is no robot to see.
         replay.advance_to(0.0);
-        Self { replay, at: 0.0, playing: false, version: 0 }
+        Self { first: replay.clone(), replay, at: 0.0, playing: false, version: 0 }
     }
 
     /// The replay, for what it found.
@@ -57,7 +114,7 @@ impl Driver for RecordedDriver {
         let sound = self.replay.difference().map_or("", |_| ", DIFFERS FROM THE RUN");
         snapshot.source = format!("replay {at:.0}/{all:.0} s of {}{sound}", snapshot.source);
         // What happened is not changed any more.
-        snapshot.alpha_is_open = false;
+        (snapshot.recorded, snapshot.alpha_is_open) = (true, false);
         if !self.playing && !self.replay.is_complete() {
             (snapshot.run, snapshot.latched) = (RunState::Paused, false);
         }
@@ -98,16 +155,38 @@ impl Driver for RecordedDriver {
         }
     }
 
+    fn is_at_rest(&self) -> bool {
+        !self.playing
+    }
+
+    fn go_to(&mut self, seconds: f64) -> Result<String, String> {
+        let end = self.replay.duration();
+        if seconds > end {
+            return Err(format!("the record ends at {end:.0} s"));
+        }
+        self.playing = false;
+        if seconds < self.time() {
+            // What the screen shows is another state, even if both have changed as often.
+            self.version += self.replay.session().version() + 1;
+            self.replay = self.first.clone();
+        }
+        self.replay.advance_to(seconds);
+        self.at = seconds;
+        self.version += 1;
+        Ok(format!("at {seconds:.0} s of {end:.0}"))
+    }
+
     fn export(&mut self, _dir: &Path) -> Result<String, String> {
-        Err("a replay is not written again; `periplus export DIR` has the run's results".to_owned())
+        Err("a replay writes nothing; `periplus export` makes the map of the record too".to_owned())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::native::MapFile;
     use crate::journal::reader::parse;
-    use crate::journal::{Entry, Header, Journal, Recording};
+    use crate::journal::{Entry, Header, Journal};
     use crate::mapping::settings::Settings;
     use crate::robot::Telemetry;
     use crate::runtime::simulated::{Headless, SimulatedRun};
@@ -188,6 +267,19 @@ mod tests {
     }
 
     #[test]
+    fn the_map_of_a_run_is_made_again_from_its_record() {
+        let bytes = record();
+        let whole = Rebuilt::of(read(&bytes)).expect("the same way");
+        assert_eq!(whole.record().outcome, Outcome::Complete);
+        assert!(MapFile::of(&whole.record()).boundary.is_some());
+        // Killed in the first lap: what was touched is there, and no more is claimed.
+        let part = Rebuilt::of(read(&bytes[..bytes.len() / 10])).expect("the same way");
+        assert_eq!(part.record().outcome, Outcome::Stopped);
+        let map = MapFile::of(&part.record());
+        assert!(map.boundary.is_none() && !map.touched.is_empty());
+    }
+
+    #[test]
     fn keys_steer_the_playback() {
         let mut driver = RecordedDriver::new(Replay::new(read(&record())));
         let first = driver.snapshot().time;
@@ -203,6 +295,20 @@ mod tests {
         driver.intent(Intent::Stop);
         driver.advance(30.0);
         assert!(driver.snapshot().time < before + 31.0);
+    }
+
+    #[test]
+    fn a_replay_goes_to_any_instant_and_shows_there_what_it_showed_before() {
+        let mut driver = RecordedDriver::new(Replay::new(read(&record())));
+        driver.go_to(300.0).expect("an instant");
+        let (late, version) = (driver.snapshot(), driver.version());
+        assert!(late.progress[0].done && late.time > 299.0);
+        driver.go_to(late.time / 2.0).expect("an instant before");
+        assert!(driver.snapshot().time < late.time / 2.0 + 1.0 && driver.version() != version);
+        assert!(!driver.snapshot().progress[0].done);
+        driver.go_to(300.0).expect("forth again");
+        assert!(driver.snapshot() == late, "another state at the same instant");
+        assert!(driver.go_to(1e9).is_err(), "there is nothing");
     }
 
     #[test]

@@ -169,6 +169,21 @@ impl<W: Write> SimulatedRun<W> {
         }
     }
 
+    /// Writes the results of a run that has ended into its own `folder`; the record stays open. What fails
+    /// is told in the log, and tried again when the console is left.
+    pub fn write_results(&mut self, folder: &OutputFolder, wall_seconds: f64) {
+        let Some(ending) = self.ending() else { return };
+        if let Some(journal) = &mut self.journal {
+            journal.flush();
+        }
+        self.conclude();
+        let failures = folder.write_results(&self.record_of(&ending, wall_seconds));
+        if let Some(complaint) = folder.complaint(Ok(()), &failures) {
+            self.session.remark(complaint, &mut self.outgoing);
+            self.deliver();
+        }
+    }
+
     /// Copies the record so far to `copy`; a run that keeps none has nothing to copy.
     fn copy_record(&mut self, mut copy: impl Write) -> io::Result<()> {
         let Some(journal) = &mut self.journal else { return Ok(()) };

@@ -1,11 +1,11 @@
 //! What the screen may know: a copy of the state at one instant, with what is unknown or old
 //! marked as such. The view is a pure function of this.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::mapping::event::{Event, Failure};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
-use crate::robot::{Command, SwitchSet};
+use crate::robot::{Command, DoneReason, SwitchSet};
 
 /// Whether the robot may move, and on whose word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +76,17 @@ pub struct RobotView {
     pub moving: bool,
 }
 
+/// A command that is no longer in hand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ended {
+    /// What was commanded.
+    pub command: Command,
+    /// In words why it was chosen.
+    pub why: String,
+    /// How it ended; none where nobody said so.
+    pub reason: Option<DoneReason>,
+}
+
 /// How far one phase has come.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PhaseProgress {
@@ -109,20 +120,27 @@ pub struct Snapshot {
     pub robot: Known<RobotView>,
     /// The command in hand, and in words why it was chosen.
     pub command: Option<(Command, String)>,
-    /// Likewise the one before, once that is done.
-    pub done: Option<(Command, String)>,
+    /// The one before, once that has ended.
+    pub done: Option<Ended>,
     /// Whether α may still be changed: no line of the plan is driven yet.
     pub alpha_is_open: bool,
     /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
     pub map: RoomMap,
+    /// With the lap closed, what was met since that is no part of the map yet: of an object that is being
+    /// gone round, say.
+    pub felt: Vec<Point>,
     /// What the run was started with (α as it is now).
     pub settings: Settings,
     /// The newest events, oldest first; as many as the log can show.
     pub events: Vec<Event>,
+    /// Events before those.
+    pub forgotten: u64,
     /// Motions so far that the bumper or a stall ended.
     pub bumps: u32,
     /// What the map or else the robot is called: the world's name, or the port.
     pub source: String,
+    /// Played back from a record: what happened is looked at and not changed.
+    pub recorded: bool,
 }
 
 impl Snapshot {
@@ -140,10 +158,13 @@ impl Snapshot {
             done: None,
             alpha_is_open: true,
             map: RoomMap::default(),
+            felt: Vec::new(),
             settings,
             events: Vec::new(),
+            forgotten: 0,
             bumps: 0,
             source: source.into(),
+            recorded: false,
         }
     }
 }

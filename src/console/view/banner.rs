@@ -1,8 +1,10 @@
-//! What must not be missed: a stop, a failure, the end, and the question before leaving. Lies
-//! over the map.
+//! What must not be missed: a stop, a failure, the end, and the question before leaving. Lies over the
+//! map, on the side away from the robot.
 
 use super::pen::{Pen, width};
+use super::words;
 use crate::console::action::Action;
+use crate::console::canvas::viewport::Viewport;
 use crate::console::model::{Model, Overlay};
 use crate::console::theme::{Role, Theme};
 use crate::mapping::event::Failure;
@@ -10,39 +12,38 @@ use crate::session::snapshot::{Known, RunState, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, map: Rect, buf: &mut Buffer) {
+/// A map of fewer rows than this has none to spare for air around what is said.
+const AIRY: u16 = 20;
+
+pub(super) fn draw(
+    model: &Model,
+    snapshot: &Snapshot,
+    shown: Viewport,
+    theme: &Theme,
+    map: Rect,
+    buf: &mut Buffer,
+) {
     let mut pen = Pen::new(buf, theme, map);
-    let question = match model.overlay {
-        Overlay::ConfirmQuit if matches!(snapshot.robot, Known::Stale { .. }) => Some([
-            "The robot is not heard; it stops by itself.",
-            "Quit?   y yes   any other key no",
-        ]),
-        Overlay::ConfirmQuit => {
-            Some(["The robot is moving.", "Stop it and quit?   y yes   any other key no"])
-        }
-        Overlay::ConfirmFinish => Some([
-            "The run ends here for good; what is mapped is kept.",
-            "End it?   y yes   any other key no",
-        ]),
-        Overlay::None | Overlay::Help(_) | Overlay::Line(_) => None,
-    };
-    if let Some(lines) = question {
-        draw_box(&mut pen, map, map.y + map.height / 3, &lines, Role::Paused);
+    let robot = super::map::placed(snapshot).and_then(|pose| shown.to_cell(pose.position));
+    let below = robot.is_some_and(|(_, row)| row < map.height / 2);
+    if let Some(lines) = question(model, snapshot) {
+        draw_box(&mut pen, map, below, &lines, Role::Paused);
         return;
     }
     match snapshot.run {
         RunState::Stopped => {
-            let clear = model.keymap.label(Action::ClearStop);
+            let clear = model.keymap.way(Action::ClearStop);
             let how = format!("{clear} clears the stop; phase and map are kept");
-            draw_box(&mut pen, map, map.y, &["■ ■ ■   S T O P P E D   ■ ■ ■", &how], Role::Stopped);
+            let lines = ["■ ■ ■   S T O P P E D   ■ ■ ■".to_owned(), how];
+            draw_box(&mut pen, map, below, &lines, Role::Stopped);
         }
         RunState::Failed(Failure::Ended) => {
             let lines = ["■  ended by the operator", "what was mapped is kept"];
-            draw_box(&mut pen, map, map.y, &lines, Role::Paused);
+            draw_box(&mut pen, map, below, &lines.map(str::to_owned), Role::Paused);
         }
         RunState::Failed(why) => {
-            let why = why.to_string();
-            draw_box(&mut pen, map, map.y, &["✗  the run has ended", &why], Role::Failed);
+            let lines = ["✗  the run has ended".to_owned(), why.to_string()];
+            draw_box(&mut pen, map, below, &lines, Role::Failed);
         }
         _ if matches!(snapshot.robot, Known::Unknown) => {
             let row = map.y + map.height / 2;
@@ -54,11 +55,33 @@ pub(super) fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, map: Rect,
     }
 }
 
-/// A filled band across the map with centred lines and a row of air above and below.
-fn draw_box(pen: &mut Pen<'_>, map: Rect, top: u16, lines: &[&str], role: Role) {
-    let height = lines.len() as u16 + 2;
+/// What is asked before something that cannot be taken back.
+pub(super) fn question(model: &Model, snapshot: &Snapshot) -> Option<[String; 2]> {
+    let lines = match model.overlay {
+        Overlay::ConfirmQuit if matches!(snapshot.robot, Known::Stale { .. }) => {
+            ["The robot is not heard; it stops by itself.", "Quit?   y yes   any other key no"]
+        }
+        Overlay::ConfirmQuit => {
+            ["The robot is moving.", "Stop it and quit?   y yes   any other key no"]
+        }
+        Overlay::ConfirmFinish => [
+            "The run ends here for good; what is mapped is kept.",
+            "End it?   y yes   any other key no",
+        ],
+        Overlay::None | Overlay::Help(_) | Overlay::Line(_) => return None,
+    };
+    Some(lines.map(str::to_owned))
+}
+
+/// A filled band across the map with centred lines, at its top or `below`.
+fn draw_box(pen: &mut Pen<'_>, map: Rect, below: bool, lines: &[String], role: Role) {
+    let room = map.width.saturating_sub(2);
+    let lines: Vec<String> = lines.iter().flat_map(|line| words::wrap(line, room)).collect();
+    let air = u16::from(map.height >= AIRY);
+    let height = lines.len() as u16 + 2 * air;
+    let top = if below { map.bottom().saturating_sub(height) } else { map.y };
     pen.fill(Rect::new(map.x, top, map.width, height), role);
-    for (row, line) in (1..).zip(lines) {
+    for (row, line) in (air..).zip(&lines) {
         let x = map.x + map.width.saturating_sub(width(line)) / 2;
         pen.text(x, top + row, line, role);
     }

@@ -2,11 +2,12 @@
 //! now. Keys and words come from the action table.
 
 use super::pen::{Pen, width};
-use crate::console::action::{ACTIONS, Action, ActionInfo};
+use super::words;
+use crate::console::action::{ACTIONS, Action, ActionInfo, Group};
 use crate::console::command::Command;
-use crate::console::model::{Model, Overlay};
+use crate::console::model::{Hint, Model, Overlay};
 use crate::console::theme::{Role, Theme};
-use crate::console::update::may_move;
+use crate::console::update::{changes_the_run, may_move};
 use crate::mapping::map::Phase;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
@@ -24,15 +25,33 @@ pub(super) fn draw(
         draw_prompt(&mut pen, model, snapshot, text, area);
         return;
     }
-    let mut x = area.x + 1;
-    if let Some(hint) = &model.hint {
-        let role = if hint.refusal { Role::Warning } else { Role::Hint };
-        let mark = if hint.refusal { "▲ " } else { "› " };
-        x = pen.text(x, area.y, mark, role);
-        x = pen.text(x, area.y, &hint.text, role);
-        x += 3;
+    let Some(hint) = model.remark(snapshot) else {
+        draw_keys(&mut pen, model, snapshot, area.x + 1, area);
+        return;
+    };
+    let role = if hint.refusal { Role::Warning } else { Role::Hint };
+    let mark = if hint.refusal { "▲ " } else { "› " };
+    pen.clear(area);
+    pen.text(area.x + 1, area.y, mark, role);
+    let mut x = area.x + REMARK;
+    for (y, line) in (area.y..area.bottom()).zip(&lines(hint, area)) {
+        x = pen.text(area.x + REMARK, y, line, role);
     }
-    draw_keys(&mut pen, model, snapshot, x, area);
+    let last = Rect { y: area.bottom() - 1, height: 1, ..area };
+    draw_keys(&mut pen, model, snapshot, x + 3, last);
+}
+
+/// Where the text of a remark begins, columns from the left.
+const REMARK: u16 = 3;
+
+fn lines(hint: &Hint, area: Rect) -> Vec<String> {
+    words::wrap(&hint.text, area.width.saturating_sub(REMARK + 1))
+}
+
+/// How many rows more than its own the footer needs for the remark.
+pub(super) fn extra_rows(model: &Model, snapshot: &Snapshot, area: Rect) -> u16 {
+    let remark = model.remark(snapshot).filter(|_| !matches!(model.overlay, Overlay::Line(_)));
+    remark.map_or(0, |hint| lines(hint, area).len() as u16 - 1)
 }
 
 fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, text: &str, area: Rect) {
@@ -84,7 +103,16 @@ fn draw_entry(pen: &mut Pen<'_>, (keys, word): &Entry, x: u16, y: u16) -> u16 {
 /// Keys and words in the order of the table; neighbours with the same word become one.
 fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    for info in ACTIONS.iter().filter(|info| matters(info, model, snapshot)) {
+    let mut infos: Vec<_> = ACTIONS.iter().filter(|info| matters(info, model, snapshot)).collect();
+    if snapshot.recorded {
+        // To go to an instant is what a replay is for.
+        infos.sort_by_key(|info| match info.action {
+            Action::CommandLine => 1,
+            _ if info.group == Group::Robot => 0,
+            _ => 2,
+        });
+    }
+    for info in infos {
         let key = model.keymap.label(info.action);
         let word = word(info, snapshot);
         match entries.last_mut() {
@@ -102,6 +130,7 @@ fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
 /// What the footer calls it now: at the end a command line is of use for one thing above all.
 fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
     match info.action {
+        Action::CommandLine if snapshot.recorded => "at=SECONDS",
         Action::CommandLine if snapshot.run.is_over() => "export=DIR",
         _ => info.footer,
     }
@@ -110,7 +139,8 @@ fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
 fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     let stopped = snapshot.latched;
     let over = snapshot.run.is_over();
-    !info.footer.is_empty()
+    let useless = snapshot.recorded && changes_the_run(info.action);
+    !(info.footer.is_empty() || useless)
         && match info.action {
             Action::Stop => !stopped && !over,
             Action::ClearStop => stopped,

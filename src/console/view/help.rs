@@ -12,8 +12,9 @@ use ratatui::layout::Rect;
 type Line = Vec<(Role, String)>;
 
 /// What the colours and patterns of the map mean.
-const LEGEND: [(Role, &str, &str); 12] = [
+const LEGEND: [(Role, &str, &str); 13] = [
     (Role::Wall, "━━", "wall"),
+    (Role::Untouched, "╍╍", "not touched by anybody: a gap too narrow, or wall"),
     (Role::Object, "━━", "object that stands free, with its number"),
     (Role::Contact, "··", "contact: something was met there"),
     (Role::Cut, "╍╍", "cut between two parts of the floor"),
@@ -27,17 +28,30 @@ const LEGEND: [(Role, &str, &str); 12] = [
     (Role::Start, "·", "where the run began"),
 ];
 
-/// The words of the figures beside the map that are not plain.
-const FIGURES: [(&str, &str); 6] = [
+/// The words of the screen that are not plain.
+const FIGURES: [(&str, &str); 19] = [
+    ("× live", "how fast simulated time passes; live: a real robot, which has its own"),
+    ("phase …", "how far a phase has come cannot be told"),
+    ("pose", "x, y in metres and heading, anti-clockwise from east, as believed"),
     ("± 1 sd", "how well the robot's place is known: one standard deviation"),
+    ("broken", "a switch that gave itself away as broken, and is not listened to any more"),
+    ("command", "the motion in hand; guarded: it also ends where a switch opens or closes"),
+    ("told", "a command sent to a robot that was not heard of since"),
+    ("contact", "places where something was met, kept for the outline"),
     (
         "misclos",
         "by how much the lap missed where it began, before adjusting: way, heading, 1 in N",
     ),
-    ("± walls", "standard error of a wall, of the worst corner"),
-    ("promise", "the largest free-standing disc that the plan would miss"),
-    ("driven", "the same for what was driven so far"),
+    ("laps", "how many times the boundary was gone round; their average is the map"),
+    ("shape", "its class and area; a part is planned for itself, a vertex is a corner"),
+    ("± walls", "standard error of a wall in the middle of all; corners: of the worst corner"),
+    ("squared", "walls made parallel to the axes; how far one was turned, and a corner moved"),
+    ("lines", "of the plan, done of all; whole: from end to end, not: blocked or left out"),
+    ("promise", "hidden disc: the largest free-standing disc that the plan would miss"),
+    ("driven", "hidden disc: the same for what was driven so far"),
+    ("objects", "things that stand free; open: not seen all round"),
     ("narrow", "gaps too narrow for the robot, with floor behind them"),
+    ("unknown", "stretches of the outline that nobody touched: narrow gaps, or wall"),
 ];
 
 /// The lines of the help on a screen of so many columns.
@@ -78,7 +92,7 @@ fn lines(model: &Model) -> Vec<Line> {
         entry(&mut lines, head, 8, meaning);
     }
     lines.push(Vec::new());
-    lines.push(vec![(Role::Title, "Beside it".to_owned())]);
+    lines.push(vec![(Role::Title, "Its words".to_owned())]);
     for (label, meaning) in FIGURES {
         let head = vec![(Role::Muted, format!("  {label:<10}"))];
         entry(&mut lines, head, 12, meaning);

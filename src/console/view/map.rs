@@ -1,15 +1,19 @@
 //! The map: walls, objects, plan, trajectory and robot in braille. A pure function of snapshot and
 //! camera; the one place that decides what is drawn over what.
 
+mod labels;
+
 use super::pen::Pen;
+use crate::console::action::Action;
 use crate::console::canvas::viewport::{DOTS_Y, Viewport};
 use crate::console::canvas::{Canvas, Pattern};
 use crate::console::layout::Regions;
 use crate::console::model::{Camera, Layers, Model};
 use crate::console::theme::{Role, Theme};
 use crate::geometry::ring::bounds;
-use crate::geometry::{Point, Pose, Vector, angle};
+use crate::geometry::{Point, Pose, Ring, Vector, angle};
 use crate::mapping::map::{LineStatus, Part, PlanLine, stretches};
+use crate::mapping::unreached::Unreached;
 use crate::session::snapshot::{Known, RobotView, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -60,7 +64,7 @@ fn robot(snapshot: &Snapshot) -> Option<(RobotView, bool)> {
 }
 
 /// Where the robot is believed to be, if anybody knows.
-fn placed(snapshot: &Snapshot) -> Option<Pose> {
+pub(super) fn placed(snapshot: &Snapshot) -> Option<Pose> {
     robot(snapshot).and_then(|(robot, _)| robot.pose)
 }
 
@@ -77,7 +81,7 @@ pub fn draw(
     draw_floor(&mut canvas, snapshot, model.layers);
     draw_robot(&mut canvas, snapshot);
     canvas.blit(theme, area, buf);
-    draw_labels(&canvas, snapshot, theme, area, buf);
+    labels::draw(&canvas, snapshot, theme, area, buf);
     draw_scale(&canvas, theme, area, buf);
 }
 
@@ -103,12 +107,15 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
         for part in &shape.parts {
             draw_cuts(canvas, part);
         }
-        canvas.ring(&shape.outline, Role::Wall);
+        draw_wall(canvas, &shape.outline, &map.unreached);
     }
     if map.shape.is_none() || layers.contacts.is_shown(over) {
         for contact in &map.contacts {
             canvas.point(contact.point, Role::Contact);
         }
+    }
+    for point in &snapshot.felt {
+        canvas.point(*point, Role::Contact);
     }
     for object in &map.objects {
         canvas.ring(&object.outline, Role::Object);
@@ -135,6 +142,27 @@ fn draw_line(canvas: &mut Canvas, line: &PlanLine, rejected: bool) {
     canvas.line(from, to, role, pattern);
 }
 
+/// The wall line, and otherwise than wall what nobody touched of it.
+fn draw_wall(canvas: &mut Canvas, outline: &Ring, unreached: &[Unreached]) {
+    let untouched: Vec<&Unreached> = unreached.iter().filter(|gap| gap.is_untouched()).collect();
+    if untouched.is_empty() {
+        return canvas.ring(outline, Role::Wall);
+    }
+    let stretches: Vec<usize> = untouched.iter().filter_map(|gap| gap.piece_of(outline)).collect();
+    for (k, piece) in outline.pieces.iter().enumerate() {
+        if stretches.contains(&k) {
+            let dashes = Pattern::Dash { on: 2, of: 4 };
+            canvas.line(piece.from(), piece.to(), Role::Untouched, dashes);
+        } else {
+            let points = Ring { pieces: vec![*piece] }.to_points(canvas.sagitta());
+            canvas.polyline(points.into_iter().chain([piece.to()]), Role::Wall);
+        }
+    }
+    for gap in untouched.iter().filter(|gap| gap.piece_of(outline).is_none()) {
+        canvas.clear_disc(gap.at, gap.width / 2.0);
+    }
+}
+
 fn draw_cuts(canvas: &mut Canvas, part: &Part) {
     for (piece, cut) in part.ring.pieces.iter().zip(&part.cut) {
         if *cut {
@@ -152,31 +180,20 @@ fn draw_robot(canvas: &mut Canvas, snapshot: &Snapshot) {
     let chassis = &snapshot.settings.chassis;
     let (center, radius) = (pose.position, chassis.radius);
     let role = if current { Role::Robot } else { Role::RobotStale };
+    // The rejected lines are dense: among them the robot would not be seen.
+    canvas.clear_background(center, radius + 4.0 * canvas.view().scale, Role::Trajectory);
     canvas.clear_disc(center, radius);
     canvas.circle(center, radius, role, Pattern::Solid);
     let nose = center + pose.direction() * radius;
     canvas.line(center, nose, role, Pattern::Solid);
-    for index in robot.switches.iter() {
+    // How the switches were when it was heard last is nothing to go by.
+    for index in robot.switches.iter().filter(|_| current) {
         let Some(mount) = chassis.sensors.get(index) else {
             continue;
         };
         let beam = angle::unit(pose.heading + mount.angle);
         let (rim, end) = (center + beam * radius, center + beam * chassis.reach());
         canvas.line(rim, end, Role::Beam, Pattern::Solid);
-    }
-}
-
-fn draw_labels(canvas: &Canvas, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
-    let mut pen = Pen::new(buf, theme, area);
-    for object in &snapshot.map.objects {
-        let Some((low, high)) = object.outline.bounds() else {
-            continue;
-        };
-        let middle = nalgebra::center(&low, &high);
-        if let Some((col, row)) = canvas.view().to_cell(middle) {
-            let label = format!("O{}", object.id);
-            pen.text(area.x + col, area.y + row, &label, Role::Object);
-        }
     }
 }
 
@@ -189,14 +206,15 @@ fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
     let Some(length) = lengths.into_iter().find(|length| *length <= most) else {
         return;
     };
-    let cells = (length / cell).round().max(1.0) as u16;
+    // To half a cell, which is as fine as this symbol goes.
+    let halves = (length / cell * 2.0).round().max(1.0) as usize;
     let text =
         if length < 1.0 { format!("{:.0} cm", length * 100.0) } else { format!("{length:.0} m") };
     let mut pen = Pen::new(buf, theme, area);
     let row = area.bottom().saturating_sub(1);
-    let bar: String = "╺".to_owned() + &"━".repeat(usize::from(cells)) + "╸ ";
+    let bar: String = "━".repeat(halves / 2) + if halves % 2 == 1 { "╸" } else { "" };
     let x = pen.text(area.x + 1, row, &bar, Role::Muted);
-    pen.text(x, row, &text, Role::Muted);
+    pen.text(x + 1, row, &text, Role::Muted);
 }
 
 /// Writes the map's title into the rule above it: how large the room is, or how much floor is shown.
@@ -216,7 +234,9 @@ pub fn draw_title(
         }
         (Camera::Fit, None) => shown,
         (Camera::Follow { .. }, _) => format!("{shown} · following"),
-        (Camera::Free { .. }, _) => format!("{shown} · free view"),
+        (Camera::Free { .. }, _) => {
+            format!("{shown} · free view, {} fits", model.keymap.way(Action::Fit))
+        }
     };
     let title = format!(" map · {what} ");
     let mut pen = Pen::new(buf, theme, regions.top_rule);

@@ -1,31 +1,52 @@
 //! The figures: pose, switches, misclosure, shape, plan. What is unknown says so, what is old says
-//! how old.
+//! how old. What does not fit goes to the next line or is left out: no figure is ever cut.
+
+mod objects;
 
 use super::pen::Pen;
 use super::{switches, words};
 use crate::console::theme::{Role, Theme};
 use crate::mapping::map::{LineStatus, Phase, ShapeClass};
 use crate::mapping::settings::Strategy;
+use crate::robot::DoneReason;
 use crate::session::snapshot::{Known, RobotView, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
 /// One figure: what it is, what it says, and how soon it gives way where there is no room for all; what
-/// has 0 stays as long as there is a row.
+/// has 0 stays as long as there is a row. What it says is in parts that are never broken: a number stays
+/// with its unit, and goes to the next line whole.
 struct Row {
-    label: &'static str,
-    value: String,
+    label: String,
+    label_role: Role,
+    parts: Vec<String>,
     role: Role,
     spare: u8,
 }
 
-fn row(label: &'static str, value: impl Into<String>, role: Role) -> Row {
-    Row { label, value: value.into(), role, spare: 0 }
+/// A figure that is one part.
+fn row(label: &str, value: impl Into<String>, role: Role) -> Row {
+    figures(label, vec![value.into()], role)
+}
+
+/// A figure that may be broken between `parts`.
+fn figures(label: &str, parts: Vec<String>, role: Role) -> Row {
+    Row { label: label.to_owned(), label_role: Role::Muted, parts, role, spare: 0 }
+}
+
+/// Words, which may be broken anywhere between them.
+fn prose(label: &str, text: &str, role: Role) -> Row {
+    figures(label, text.split(' ').map(str::to_owned).collect(), role)
 }
 
 impl Row {
     fn spare(self, spare: u8) -> Self {
         Self { spare, ..self }
+    }
+
+    /// What it says on a panel with so much room for it.
+    fn lines(&self, room: u16) -> Vec<String> {
+        words::joined(&self.parts, room)
     }
 }
 
@@ -34,123 +55,134 @@ const VALUES: u16 = 9;
 
 pub(super) fn draw(snapshot: &Snapshot, theme: &Theme, area: Rect, buf: &mut Buffer) {
     let mut pen = Pen::new(buf, theme, area);
-    let mut y = area.y;
-    for row in fitting(rows(snapshot, area.width.saturating_sub(VALUES)), area.height) {
-        pen.text(area.x + 1, y, row.label, Role::Muted);
-        pen.text(area.x + VALUES, y, &row.value, row.role);
-        y += 1;
-    }
+    let room = area.width.saturating_sub(VALUES);
+    let objects = objects::rows(snapshot, room);
     let over = snapshot.run.is_over();
+    // At the end what was found matters more than how it was found.
+    let kept = if over { objects.len().min(usize::from(area.height / 2)) } else { 0 };
+    let mut y = area.y;
+    for row in fitting(rows(snapshot, room), room, area.height - kept as u16) {
+        y = draw_row(&mut pen, &row, area, y);
+    }
     if !over && area.bottom().saturating_sub(y) >= 4 {
         y += 1;
-        for row in &switches::rose(&snapshot.settings.chassis, view(snapshot).as_ref()) {
+        for row in &switches::rose(&snapshot.settings.chassis, heard(snapshot).as_ref()) {
             pen.pieces(area.x + VALUES, y, row);
             y += 1;
         }
     }
-    draw_objects(
-        &mut pen,
-        snapshot,
-        Rect { y: y + 1, height: area.bottom().saturating_sub(y + 1), ..area },
-    );
+    // A row of air before the list, where there is one to spare.
+    let left = usize::from(area.bottom().saturating_sub(y));
+    y += u16::from(!over || objects.len() < left);
+    for row in objects::fitting(objects, area.bottom().saturating_sub(y)) {
+        y = draw_row(&mut pen, &row, area, y);
+    }
 }
 
-/// As many of `rows` as there is room for.
-fn fitting(mut rows: Vec<Row>, room: u16) -> Vec<Row> {
-    while rows.len() > usize::from(room) {
-        let least = (0..rows.len()).max_by_key(|&k| rows[k].spare).unwrap_or(0);
+/// Draws one figure and answers the row below it.
+fn draw_row(pen: &mut Pen<'_>, row: &Row, area: Rect, mut y: u16) -> u16 {
+    pen.text(area.x + 1, y, &row.label, row.label_role);
+    for line in row.lines(area.width.saturating_sub(VALUES)) {
+        pen.text(area.x + VALUES, y, &line, row.role);
+        y += 1;
+    }
+    y
+}
+
+/// As many of `rows` as `height` has room for.
+fn fitting(mut rows: Vec<Row>, room: u16, height: u16) -> Vec<Row> {
+    let taken = |rows: &[Row]| rows.iter().map(|row| row.lines(room).len()).sum::<usize>();
+    while taken(&rows) > usize::from(height) {
+        let Some(least) = (0..rows.len()).max_by_key(|&k| rows[k].spare) else { break };
         rows.remove(least);
     }
     rows
 }
 
-/// The objects with their sizes, as many as there is room for; where not all fit, how many more there are.
-fn draw_objects(pen: &mut Pen<'_>, snapshot: &Snapshot, area: Rect) {
-    let objects = &snapshot.map.objects;
-    if objects.is_empty() || area.height < 2 {
-        return;
-    }
-    let room = usize::from(area.height);
-    let shown = if objects.len() <= room { objects.len() } else { room - 1 };
-    let errors = snapshot.map.accuracy.as_ref().map(|accuracy| &accuracy.objects);
-    for (k, y) in (0..shown).zip(area.y..) {
-        let object = &objects[k];
-        let error = errors.and_then(|errors| errors.get(k));
-        let known = error.map_or_else(String::new, |error| format!("  ± {}", words::small(*error)));
-        let size = object.size().unwrap_or_default();
-        pen.text(area.x + 1, y, &format!("O{}", object.id), Role::Object);
-        pen.text(area.x + VALUES, y, &format!("{} {size}{known}", object.class), Role::Text);
-    }
-    if shown < objects.len() {
-        let more = format!("and {} more", objects.len() - shown);
-        pen.text(area.x + VALUES, area.y + shown as u16, &more, Role::Muted);
-    }
-}
-
-fn view(snapshot: &Snapshot) -> Option<RobotView> {
+/// What the robot says of itself now: how its switches were is nothing to go by.
+fn heard(snapshot: &Snapshot) -> Option<RobotView> {
     match snapshot.robot {
-        Known::Known(robot) | Known::Stale { value: robot, .. } => Some(robot),
-        Known::Unknown => None,
+        Known::Known(robot) => Some(robot),
+        Known::Stale { .. } | Known::Unknown => None,
     }
 }
 
-fn rows(snapshot: &Snapshot, width: u16) -> Vec<Row> {
-    let mut rows = robot_rows(snapshot);
+fn rows(snapshot: &Snapshot, room: u16) -> Vec<Row> {
+    let mut rows = robot_rows(snapshot, room);
     for doubted in &snapshot.map.doubted {
         rows.push(row("broken", doubted.switch.clone(), Role::Warning));
     }
-    rows.extend(command_rows(snapshot, width));
+    rows.extend(command_rows(snapshot));
     rows.extend(map_rows(snapshot));
     rows.extend(plan_rows(snapshot));
     rows.extend(finding_rows(snapshot));
     rows
 }
 
-/// The command in hand, or the one that was done last, and why it was chosen.
-fn command_rows(snapshot: &Snapshot, width: u16) -> Vec<Row> {
-    let (label, role, command) = match (&snapshot.command, &snapshot.done) {
-        (Some(command), _) => ("command", Role::Value, command),
-        (None, Some(done)) if !snapshot.run.is_over() => ("done", Role::Text, done),
+/// The command in hand, or how the last one ended, and why it was chosen.
+fn command_rows(snapshot: &Snapshot) -> Vec<Row> {
+    let (label, role, command, why) = match (&snapshot.command, &snapshot.done) {
+        (Some((command, _)), _) if matches!(snapshot.robot, Known::Stale { .. }) => {
+            let what = figures("told", words::command(command), Role::Stale);
+            return vec![what, prose("", "not heard of since", Role::Warning).spare(2)];
+        }
+        (Some((command, why)), _) => ("command", Role::Value, command, why),
+        (None, Some(done)) if !snapshot.run.is_over() => {
+            (ended(done.reason), Role::Text, &done.command, &done.why)
+        }
         _ => return Vec::new(),
     };
-    let (command, why) = command;
-    let mut rows = vec![row(label, words::command(command), role)];
-    for (n, line) in (0..).zip(words::wrap(why, width)) {
-        rows.push(row("", line, Role::Muted).spare(if n == 0 { 0 } else { 3 }));
-    }
-    rows
+    vec![figures(label, words::command(command), role), prose("", why, Role::Muted).spare(2)]
 }
 
-fn robot_rows(snapshot: &Snapshot) -> Vec<Row> {
-    let pose = |robot: &RobotView| {
-        let Some(pose) = robot.pose else { return "not known: lost".to_owned() };
-        // No minus before a zero.
-        let degrees = pose.heading.to_degrees().round() + 0.0;
-        format!("{:.3} {:.3}  {degrees:.0}°", pose.position.x, pose.position.y)
-    };
+/// How a motion ended: one that was broken off is not done.
+fn ended(reason: Option<DoneReason>) -> &'static str {
+    match reason {
+        Some(DoneReason::Complete | DoneReason::Guard { .. }) => "done",
+        Some(DoneReason::Stopped | DoneReason::HostSilent) => "stopped",
+        Some(DoneReason::Bumper) => "bumped",
+        Some(DoneReason::Stalled) => "stalled",
+        Some(DoneReason::TimeLimit) | None => "ended",
+    }
+}
+
+/// Where the robot is believed to be: to the millimetre where there is room for that.
+fn pose_parts(robot: &RobotView, room: u16) -> Vec<String> {
+    let Some(pose) = robot.pose else { return vec!["not known: lost".to_owned()] };
+    let (x, y) = (pose.position.x, pose.position.y);
+    // No minus before a zero.
+    let degrees = pose.heading.to_degrees().round() + 0.0;
+    let whole = format!("{x:.3} {y:.3}  {degrees:.0}°");
+    if words::shortened(vec![whole.clone()], room).is_some() {
+        return vec![whole];
+    }
+    vec![words::hundredths(x), words::hundredths(y), format!("{degrees:.0}°")]
+}
+
+fn robot_rows(snapshot: &Snapshot, room: u16) -> Vec<Row> {
+    let pose = |robot: &RobotView, role: Role| figures("pose", pose_parts(robot, room), role);
     match &snapshot.robot {
         Known::Unknown => vec![row("pose", "not heard yet", Role::Unknown)],
         Known::Stale { value, age } => {
             let age = format!("{age:.1} s old");
-            vec![row("pose", pose(value), Role::Stale), row("", age, Role::Warning)]
+            vec![pose(value, Role::Stale), row("", age, Role::Warning)]
         }
         Known::Known(robot) => {
             let closed = switches::closed(&snapshot.settings.chassis, robot);
             let known = |_| words::small(robot.position_sd);
             let sd = robot.pose.map_or_else(|| "-".to_owned(), known);
-            let role_of = |robot: &RobotView| {
-                if robot.pose.is_some() { Role::Value } else { Role::Unknown }
-            };
+            let place = if robot.pose.is_some() { Role::Value } else { Role::Unknown };
             let role = if robot.switches.is_empty() { Role::Muted } else { Role::Active };
             let bumper =
-                if robot.bumper { ("pressed", Role::Active) } else { ("free", Role::Muted) };
-            let bumps = format!("{}, {} so far", bumper.0, snapshot.bumps);
-            let spare = u8::from(snapshot.run.is_over());
+                if robot.bumper { ("pressed,", Role::Active) } else { ("free,", Role::Muted) };
+            let bumps = format!("{} so far", snapshot.bumps);
+            // How the robot stands matters no more when all is driven.
+            let spare = if snapshot.run.is_over() { 4 } else { 0 };
             vec![
-                row("pose", pose(robot), role_of(robot)),
+                pose(robot, place).spare(spare / 2),
                 row("± 1 sd", sd, Role::Text).spare(spare),
-                row("switch", closed, role).spare(spare),
-                row("bumper", bumps, bumper.1),
+                prose("switch", &closed, role).spare(spare),
+                figures("bumper", vec![bumper.0.to_owned(), bumps], bumper.1).spare(spare),
             ]
         }
     }
@@ -170,27 +202,27 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         } else {
             format!("1:{:.0}", off.ratio())
         };
-        let text = format!(
-            "{} {}° {ratio}",
-            words::small(size),
-            words::hundredths(off.heading.to_degrees())
-        );
-        rows.push(row("misclos", text, Role::Value).spare(1));
+        let heading = format!("{}°", words::hundredths(off.heading.to_degrees()));
+        let parts = vec![words::small(size), heading, ratio];
+        rows.push(figures("misclos", parts, Role::Value).spare(1));
     }
     if map.laps > 1 {
-        rows.push(row("laps", format!("{}, averaged", map.laps), Role::Value).spare(2));
+        let laps = vec![format!("{},", map.laps), "averaged".to_owned()];
+        rows.push(figures("laps", laps, Role::Value).spare(2));
     }
     if let Some(shape) = &map.shape {
-        let area = format!("{}, {:.1} m²", shape.class, shape.outline.area());
-        rows.push(row("shape", area, Role::Value));
+        let parts = vec![format!("{},", shape.class), format!("{:.1} m²", shape.outline.area())];
+        rows.push(figures("shape", parts, Role::Value));
         let vertices = words::count(shape.vertices.len(), "vertex", "vertices");
         let parts = words::count(shape.parts.len(), "part", "parts");
         let circle = shape.parts.first().and_then(|part| part.circle);
         let what = match (shape.class, circle) {
-            (ShapeClass::Circle, Some((_, radius))) => format!("radius {radius:.3} m"),
-            _ => format!("{vertices}, {parts}"),
+            (ShapeClass::Circle, Some((_, radius))) => {
+                vec!["radius".to_owned(), format!("{radius:.3} m")]
+            }
+            _ => vec![format!("{vertices},"), parts],
         };
-        rows.push(row("", what, Role::Text).spare(4));
+        rows.push(figures("", what, Role::Text).spare(4));
     }
     if let Some(accuracy) = &map.accuracy
         && let Some((_, worst)) = accuracy.worst_corner()
@@ -199,13 +231,14 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         walls.sort_by(f64::total_cmp);
         let median = walls.get(walls.len() / 2).copied().unwrap_or(worst);
         rows.push(row("± walls", words::small(median), Role::Text));
-        let worst = format!("± {} at worst", words::small(worst));
-        rows.push(row("corners", worst, Role::Text).spare(3));
+        let worst = vec![format!("± {}", words::small(worst)), "at worst".to_owned()];
+        rows.push(figures("corners", worst, Role::Text).spare(3));
     }
     if let Some(squared) = &map.squared {
         let (turned, moved) = (squared.turned.to_degrees(), words::small(squared.moved));
         let walls = words::count(squared.walls, "wall", "walls");
-        rows.push(row("squared", format!("{walls}, {turned:.1}°, {moved}"), Role::Value).spare(1));
+        let parts = vec![format!("{walls},"), format!("{turned:.1}°,"), moved];
+        rows.push(figures("squared", parts, Role::Value).spare(1));
     }
     rows
 }
@@ -221,7 +254,8 @@ fn plan_rows(snapshot: &Snapshot) -> Vec<Row> {
             Strategy::Lanes => "lanes",
         };
         let (alpha, length) = (plan.alpha, plan.figures.length);
-        rows.push(row("plan", format!("{name} α {alpha:.2}, {length:.0} m"), Role::Value));
+        let parts = vec![name.to_owned(), format!("α {alpha:.2},"), format!("{length:.0} m")];
+        rows.push(figures("plan", parts, Role::Value));
         let count = |status: LineStatus, of_plan: bool| {
             let lines = plan.lines.iter().filter(|line| line.status == status);
             lines.filter(|line| plan.is_own(line.id) == of_plan).count()
@@ -229,44 +263,58 @@ fn plan_rows(snapshot: &Snapshot) -> Vec<Row> {
         let whole = count(LineStatus::Driven, true);
         let blocked = count(LineStatus::Blocked, true);
         let left_out = count(LineStatus::Skipped, true);
-        let more = match count(LineStatus::Driven, false) {
-            0 => String::new(),
-            more => format!(", {more} added"),
-        };
         let (done, lines) = (whole + blocked + left_out, plan.figures.lines);
-        rows.push(row("lines", format!("{done}/{lines} done{more}"), Role::Text));
+        let parts = match count(LineStatus::Driven, false) {
+            0 => vec![format!("{done}/{lines} done")],
+            more => vec![format!("{done}/{lines} done,"), format!("{more} added")],
+        };
+        rows.push(figures("lines", parts, Role::Text));
         if blocked + left_out > 0 {
-            let short = format!("{whole} whole, {} not", blocked + left_out);
-            rows.push(row("", short, Role::Text).spare(3));
+            let parts = vec![format!("{whole} whole,"), format!("{} not", blocked + left_out)];
+            rows.push(figures("", parts, Role::Text).spare(3));
         }
-        let hidden = words::small(plan.figures.hidden_disc);
-        rows.push(row("promise", format!("hidden disc {hidden}"), Role::Value));
+        rows.push(hidden_disc("promise", plan.figures.hidden_disc, Role::Value));
     }
     if let Some(disc) = map.hidden_disc {
         let role = if map.shortfall().is_some() { Role::Warning } else { Role::Value };
-        rows.push(row("driven", format!("hidden disc {}", words::small(disc)), role));
+        rows.push(hidden_disc("driven", disc, role));
     }
     rows
 }
 
-/// The objects, and the gaps that lead to floor nobody has seen.
+fn hidden_disc(label: &str, diameter: f64, role: Role) -> Row {
+    figures(label, vec!["hidden disc".to_owned(), words::small(diameter)], role)
+}
+
+/// The objects, the gaps that lead to floor nobody has seen, and what may be a gap or wall.
 fn finding_rows(snapshot: &Snapshot) -> Vec<Row> {
     let map = &snapshot.map;
     let mut rows: Vec<Row> = Vec::new();
     let open = map.objects.iter().filter(|object| !object.closed).count();
     if !map.objects.is_empty() {
         let objects = words::count(map.objects.len(), "object", "objects");
-        let note = if open > 0 { format!(", {open} open") } else { String::new() };
-        rows.push(row("objects", format!("{objects}{note}"), Role::Value));
+        let parts = match open {
+            0 => vec![objects],
+            open => vec![format!("{objects},"), format!("{open} open")],
+        };
+        rows.push(figures("objects", parts, Role::Value));
     } else if snapshot.progress[Phase::Objects as usize].done {
         rows.push(row("objects", "none found", Role::Value));
     }
-    if !map.unreached.is_empty() {
-        let most = map.unreached.iter().map(|gap| gap.width).fold(0.0, f64::max);
-        let gaps = words::count(map.unreached.len(), "gap", "gaps");
-        rows.push(row("narrow", format!("{gaps}, to {}", words::small(most)), Role::Text).spare(1));
-    }
+    rows.extend(gap_row(snapshot, "narrow", ("gap", "gaps"), true));
+    rows.extend(gap_row(snapshot, "unknown", ("stretch", "stretches"), false));
     rows
+}
+
+/// How many gaps there are and how wide the widest is: those with floor `behind` them, or those of
+/// which nobody knows what they are.
+fn gap_row(snapshot: &Snapshot, label: &str, names: (&str, &str), behind: bool) -> Option<Row> {
+    let all = snapshot.map.unreached.iter().filter(|gap| gap.area.is_some() == behind);
+    let widths: Vec<f64> = all.map(|gap| gap.width).collect();
+    let most = widths.iter().copied().reduce(f64::max)?;
+    let count = words::count(widths.len(), names.0, names.1);
+    let parts = vec![format!("{count},"), format!("to {}", words::small(most))];
+    Some(figures(label, parts, Role::Text).spare(1))
 }
 
 #[cfg(test)]
@@ -278,16 +326,29 @@ mod tests {
         let rows = || {
             vec![
                 row("a", "", Role::Text),
-                row("b", "", Role::Text).spare(1),
+                prose("b", "two lines", Role::Text).spare(1),
                 row("c", "", Role::Text).spare(4),
             ]
         };
-        let labels = |room: u16| -> Vec<&str> {
-            fitting(rows(), room).iter().map(|row| row.label).collect()
+        let labels = |height: u16| -> Vec<String> {
+            fitting(rows(), 6, height).into_iter().map(|row| row.label).collect()
         };
-        assert_eq!(labels(5), ["a", "b", "c"]);
-        assert_eq!(labels(2), ["a", "b"]);
+        assert_eq!(labels(4), ["a", "b", "c"]);
+        assert_eq!(labels(3), ["a", "b"]);
+        assert_eq!(labels(2), ["a"]);
         assert_eq!(labels(1), ["a"]);
         assert!(labels(0).is_empty());
+    }
+
+    #[test]
+    fn a_number_goes_to_the_next_line_with_its_unit_or_not_at_all() {
+        let parts = ["24 walls,", "0.3°,", "11 mm"].map(str::to_owned).to_vec();
+        let row = figures("squared", parts.clone(), Role::Value);
+        for room in 9..30 {
+            let told = row.lines(room);
+            assert!(told.iter().all(|line| super::super::pen::width(line) <= room), "{told:?}");
+            assert_eq!(told.join(" "), parts.join(" "), "{room} columns");
+            assert!(told.last().is_some_and(|line| line.ends_with("11 mm")), "{told:?}");
+        }
     }
 }

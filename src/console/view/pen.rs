@@ -23,15 +23,21 @@ impl<'a> Pen<'a> {
         Self { buf, theme, area }
     }
 
-    /// Writes `text` at (`x`, `y`) of the screen and answers the column after it.
+    /// Writes `text` at (`x`, `y`) of the screen and answers the column after it. What does not fit ends
+    /// with `…`: cut without a mark, a number would be another number.
     pub(super) fn text(&mut self, x: u16, y: u16, text: &str, role: Role) -> u16 {
         let inside = y >= self.area.top() && y < self.area.bottom();
         if !inside || x < self.area.left() || x >= self.area.right() {
             return x;
         }
-        let room = usize::from(self.area.right() - x);
+        let room = self.area.right() - x;
         let style = self.theme.style(role);
-        self.buf.set_stringn(x, y, clean(text), room, style).0
+        let text = clean(text);
+        if width(&text) <= room {
+            return self.buf.set_stringn(x, y, text, usize::from(room), style).0;
+        }
+        let end = self.buf.set_stringn(x, y, text, usize::from(room - 1), style).0;
+        self.buf.set_stringn(end, y, "…", usize::from(self.area.right() - end), style).0
     }
 
     /// Writes `text` so that it ends before column `right`.

@@ -41,37 +41,49 @@ pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
     (format!(" {text} "), role)
 }
 
-/// `text` broken between words into lines of at most `room` columns; a longer word is left long
-/// and clipped.
+/// `text` broken between words into lines of at most `room` columns; a longer word is left long.
 pub(super) fn wrap(text: &str, room: u16) -> Vec<String> {
+    let words: Vec<String> = text.split(' ').map(str::to_owned).collect();
+    joined(&words, room)
+}
+
+/// `parts` one after the other on lines of at most `room` columns. None is broken; one that is wider
+/// has a line to itself.
+pub(super) fn joined(parts: &[String], room: u16) -> Vec<String> {
     let mut lines = vec![String::new()];
-    for word in text.split(' ') {
+    for part in parts {
         let Some(line) = lines.last_mut() else { break };
         if line.is_empty() {
-            line.push_str(word);
-        } else if width(line) + 1 + width(word) <= room {
+            line.push_str(part);
+        } else if width(line) + 1 + width(part) <= room {
             line.push(' ');
-            line.push_str(word);
+            line.push_str(part);
         } else {
-            lines.push(word.to_owned());
+            lines.push(part.clone());
         }
     }
     lines
 }
 
-/// A command in a few words.
-pub(super) fn command(command: &Command) -> String {
-    let guarded = command.guard.rise.union(command.guard.fall);
-    let guard = if guarded.is_empty() { "" } else { ", guarded" };
-    match command.motion {
-        Motion::Move { distance, .. } if distance < 0.0 => {
-            format!("back {}{guard}", small(-distance))
-        }
-        Motion::Move { distance, .. } => format!("move {}{guard}", small(distance)),
+/// The first of `forms`, the longest first, that has room.
+pub(super) fn shortened(forms: Vec<String>, room: u16) -> Option<String> {
+    forms.into_iter().find(|form| width(form) <= room)
+}
+
+/// A command in a few words, in parts that belong together.
+pub(super) fn command(command: &Command) -> Vec<String> {
+    let what = match command.motion {
+        Motion::Move { distance, .. } if distance < 0.0 => format!("back {}", small(-distance)),
+        Motion::Move { distance, .. } => format!("move {}", small(distance)),
         Motion::Turn { angle, .. } if angle < 0.0 => {
-            format!("turn right {:.0}°{guard}", -angle.to_degrees())
+            format!("turn right {:.0}°", -angle.to_degrees())
         }
-        Motion::Turn { angle, .. } => format!("turn left {:.0}°{guard}", angle.to_degrees()),
+        Motion::Turn { angle, .. } => format!("turn left {:.0}°", angle.to_degrees()),
         Motion::Rest => "rest".to_owned(),
+    };
+    if command.guard.rise.union(command.guard.fall).is_empty() {
+        vec![what]
+    } else {
+        vec![format!("{what},"), "guarded".to_owned()]
     }
 }

@@ -73,8 +73,9 @@ fn unreached(record: &RunRecord<'_>) -> Option<String> {
     };
     let mut words = Vec::new();
     if let Some((number, wide)) = told(false) {
-        let stretches = count(number, "stretch of wall", "stretches of wall");
-        words.push(format!("{stretches} not touched, {wide} cm wide: gaps or short walls"));
+        let stretches = count(number, "stretch", "stretches");
+        let what = if number == 1 { "a gap or a short wall" } else { "gaps or short walls" };
+        words.push(format!("{stretches} not touched, {wide} cm wide: {what}"));
     }
     if let Some((number, wide)) = told(true) {
         let area: f64 = gaps.iter().filter_map(|gap| gap.area).sum();

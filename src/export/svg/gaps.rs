@@ -7,9 +7,6 @@ use super::pens::{HIDDEN, NARROW, UNTOUCHED, color};
 use crate::geometry::{Piece, Point, Ring, Vector, perp};
 use crate::mapping::unreached::Unreached;
 
-/// Squaring and adjusting move a stretch by no more than this after it was found, metres.
-const MOVED: f64 = 0.1;
-
 /// The marks for everything unreached, and for what may hide something larger than α.
 pub(super) fn draw(scene: &Scene<'_>) -> String {
     let (record, frame) = (scene.record, &scene.frame);
@@ -41,17 +38,12 @@ pub(super) fn draw(scene: &Scene<'_>) -> String {
 
 /// The stretch of the outline that `gap` tells of.
 fn stretch(gap: &Unreached, ring: &Ring) -> Piece {
-    let off =
-        |piece: &Piece| (piece.at(0.5) - gap.at).norm().max((piece.length() - gap.width).abs());
-    let nearest = ring.pieces.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    match nearest {
-        Some(piece) if off(piece) < MOVED => *piece,
-        _ => {
-            let foot = ring.nearest(gap.at);
-            let along = foot.and_then(|f| Some(ring.pieces.get(f.piece)?.tangent(f.t)));
-            bar(gap, along.unwrap_or_else(Vector::x))
-        }
-    }
+    let piece = gap.piece_of(ring).and_then(|k| ring.pieces.get(k));
+    piece.copied().unwrap_or_else(|| {
+        let foot = ring.nearest(gap.at);
+        let along = foot.and_then(|f| Some(ring.pieces.get(f.piece)?.tangent(f.t)));
+        bar(gap, along.unwrap_or_else(Vector::x))
+    })
 }
 
 /// The narrowest place, from one side to the other.

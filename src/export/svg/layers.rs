@@ -10,6 +10,7 @@ use super::placement::Area;
 use super::{Scene, gaps};
 use crate::geometry::{Point, Pose, Vector};
 use crate::mapping::map::{MappedObject, ObjectClass, stretches};
+use std::fmt::Write;
 
 /// All layers.
 pub(super) fn draw(scene: &Scene<'_>, labels: &Labels, letters: &mut Lettering) -> String {
@@ -26,7 +27,7 @@ pub(super) fn draw(scene: &Scene<'_>, labels: &Labels, letters: &mut Lettering) 
     }
     match wall {
         Some(data) => out.push_str(&pens::WALL.stroke(&data)),
-        None => out.push_str(&pens::TOUCHED.stroke(&frame.line(surface_points(record.map)))),
+        None => out.push_str(&touched(record, frame)),
     }
     out.push_str(&gaps::draw(scene));
     out.push_str(&start(record.settings.start, frame));
@@ -43,6 +44,21 @@ fn floor(wall: &str) -> String {
         color::SOLID,
         color::FLOOR,
     )
+}
+
+/// The contacts of a lap that is not closed. What is between two of them nobody knows: they are not
+/// joined, not even in the order in which they were felt.
+fn touched(record: &RunRecord<'_>, frame: &Frame) -> String {
+    let mut dots = String::new();
+    for point in surface_points(record.map) {
+        let (x, y) = frame.at(point);
+        // Writing to a string cannot fail.
+        let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.6\"/>");
+    }
+    if dots.is_empty() {
+        return dots;
+    }
+    format!("<g id=\"boundary\" fill=\"{}\">{dots}</g>\n", color::WALL)
 }
 
 fn cuts(record: &RunRecord<'_>, frame: &Frame) -> String {

@@ -99,8 +99,8 @@ const fn pen(
 }
 
 pub(super) const WALL: Pen = pen("boundary", "wall", color::WALL, 2.2, "");
-/// The wall while its lap is open: contacts, joined.
-pub(super) const TOUCHED: Pen = pen("boundary", "wall, lap not closed", color::WALL, 2.2, "1 4");
+/// The wall while its lap is open, in the legend: contacts.
+pub(super) const TOUCHED: &str = "contact, lap not closed";
 pub(super) const OBJECT: Pen = pen("object", "object", color::OBJECT_EDGE, 1.8, "");
 pub(super) const HALF_SEEN: Pen =
     pen("object-open", "object, half seen", color::OBJECT_EDGE, 1.8, "4 3");

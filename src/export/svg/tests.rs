@@ -127,7 +127,10 @@ fn what_was_not_reached_is_drawn_and_told() {
         assert!(drawing.contains(&format!("aria-label=\"{name}\"")), "no legend for {name}");
     }
     assert!(place(&drawing, "id=\"untouched\"") > place(&drawing, "id=\"boundary\""));
-    assert!(drawing.contains("1 stretch of wall not touched, 20 cm wide"), "{drawing}");
+    assert!(
+        drawing.contains("1 stretch not touched, 20 cm wide: a gap or a short wall"),
+        "{drawing}"
+    );
     assert!(drawing.contains("1 gap too narrow, 100 cm wide, with 0.30 m² behind"));
     // The bar goes from one side of the gap to the other.
     let bar = &drawing[place(&drawing, "id=\"narrow\"")..];
@@ -152,6 +155,19 @@ fn where_something_may_hide_is_drawn_when_the_promise_is_not_kept() {
     let drawing = drawn(&sample);
     assert!(drawing.contains("id=\"hidden\""), "half a metre is more than α");
     assert!(drawing.contains(&format!("aria-label=\"{}\"", pens::HIDDEN.name)));
+}
+
+#[test]
+fn of_a_lap_that_is_open_the_contacts_are_shown_and_nothing_between_them() {
+    let mut sample = sample::room();
+    (sample.map.shape, sample.map.plan, sample.map.closed) = (None, None, false);
+    let drawing = drawn(&sample);
+    let start = place(&drawing, "<g id=\"boundary\"");
+    let layer = drawing[start..].split("</g>").next().expect("a layer");
+    assert_eq!(layer.matches("<circle").count(), sample.map.contacts.len(), "{layer}");
+    assert!(!layer.contains("<path"), "contacts are joined: {layer}");
+    assert!(drawing.contains(&format!("aria-label=\"{}\"", pens::TOUCHED)));
+    assert!(!drawing.contains("aria-label=\"wall\""), "nothing is a wall yet");
 }
 
 #[test]

@@ -169,6 +169,12 @@ fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             write!(f, "squared: {walls} walls by {turned:.1}°, corners by {moved:.0} mm at most")?;
             if *left > 0 { write!(f, "; {left} stay askew") } else { Ok(()) }
         }
+        EventKind::SquareNoted { wanted: true } => {
+            f.write_str("to be squared as soon as the shape is known; until then nothing changes")
+        }
+        EventKind::SquareNoted { wanted: false } => {
+            f.write_str("not to be squared when the shape is known")
+        }
         EventKind::NothingSquare => f.write_str("nothing to square: no walls at right angles"),
         EventKind::Unsquared => f.write_str("no longer squared: the map is as it was mapped"),
         _ => Ok(()),
@@ -351,7 +357,10 @@ impl fmt::Display for EventKind {
             Self::Unreached { .. } | Self::Untouched { .. } | Self::StillHidden { .. } => {
                 out_of_reach(f, self)
             }
-            Self::MadeSquare { .. } | Self::NothingSquare | Self::Unsquared => squaring(f, self),
+            Self::MadeSquare { .. }
+            | Self::SquareNoted { .. }
+            | Self::NothingSquare
+            | Self::Unsquared => squaring(f, self),
             Self::LapCandidate { .. }
             | Self::LapClosed { .. }
             | Self::LapFailed { .. }

@@ -33,10 +33,15 @@ impl Mission {
     /// Squares the map that is handed over, or undoes that.
     pub fn toggle_square(&mut self, out: &mut Vec<Output>) {
         self.settings.square = !self.settings.square;
-        if self.settings.square {
-            self.tell_squared(out);
-        } else {
-            self.tell(EventKind::Unsquared, out);
+        let wanted = self.settings.square;
+        match &self.map.shape {
+            None => self.tell(EventKind::SquareNoted { wanted }, out),
+            // What was never squared is not unsquared either.
+            Some(shape) if !wanted && square(&shape.outline).is_some() => {
+                self.tell(EventKind::Unsquared, out);
+            }
+            Some(_) if !wanted => self.tell(EventKind::NothingSquare, out),
+            Some(_) => self.tell_squared(out),
         }
     }
 

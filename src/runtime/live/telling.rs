@@ -82,7 +82,7 @@ impl<W: Write> LiveRun<W> {
             settings: mission.settings(),
             outcome: ending.outcome,
             reason: &ending.reason,
-            world: mission.settings().name.as_deref().unwrap_or(&self.plan.port),
+            world: session.source(),
             noise: "",
             progress: *session.progress(),
             laps: mission.laps(),

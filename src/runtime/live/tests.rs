@@ -58,6 +58,8 @@ struct Rig {
     run: LiveRun<Memory>,
     memory: Memory,
     device: Device,
+    /// How often it was started: no two lives have one number.
+    boots: u32,
     body: Body,
     down: FaultyWay,
     up: FaultyWay,
@@ -101,6 +103,7 @@ fn rig_in(
         run: LiveRun::new(plan, Host::new(115_200, 7, 0.0), Some(memory.clone())),
         memory,
         device: Device::new(&chassis, "tin", 3, 1.0),
+        boots: 3,
         body: Body::new(world, &chassis, noise, seed),
         down: FaultyWay::new(faults, seed * 2),
         up: FaultyWay::new(faults, seed * 2 + 1),
@@ -175,7 +178,8 @@ impl Rig {
 
     /// The board is started again: its motors stand still then.
     fn reboot(&mut self) {
-        self.device = Device::new(&crate::robot::Chassis::default(), "tin", 4, 1.0);
+        self.boots += 1;
+        self.device = Device::new(&crate::robot::Chassis::default(), "tin", self.boots, 1.0);
         Hardware::drive(&mut self.body, 0.0, 0.0);
     }
 

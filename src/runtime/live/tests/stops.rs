@@ -57,5 +57,5 @@ fn a_command_that_is_not_let_through_is_the_end_of_the_run() {
     assert!(!out.iter().any(|outgoing| matches!(outgoing, Outgoing::Command(_))), "{out:?}");
     let ending = Ending::of(&session).expect("an ending");
     assert_eq!(ending.outcome, Outcome::Failed);
-    assert!(ending.reason.contains("at fault"), "{}", ending.reason);
+    assert!(ending.reason.contains("mistake in the program"), "{}", ending.reason);
 }

@@ -27,7 +27,8 @@ const SLOW: f64 = 1.004;
 /// Steps between two reports.
 const REPORT_STEPS: u32 = 5;
 /// Steps that the body is given to come to rest after a motion before the next one begins: the heading
-/// that a move holds is that of a body at rest. A command that comes sooner waits as long.
+/// that a move holds is that of a body at rest. A command that comes sooner waits as long, so that what a
+/// robot does does not hang on how soon within them its host answers.
 const SETTLING: u32 = 2;
 
 #[derive(Debug, Clone, Copy)]

@@ -157,7 +157,7 @@ fn nothing_is_placed_after_the_run() {
     session.intent(Intent::Placed { near: Some(Pose::new(3.0, 2.0, 1.0)) }, &mut out);
     assert_eq!(session.mission().tracker().pose(), Pose::new(0.0, 0.0, 0.0));
     let told = out.iter().any(|outgoing| {
-        matches!(outgoing, Outgoing::Event(event) if event.kind.to_string().contains("after the run"))
+        matches!(outgoing, Outgoing::Event(event) if event.kind.to_string().contains("the run is over"))
     });
     assert!(told, "{out:?}");
 }

@@ -347,6 +347,28 @@ mod tests {
     }
 
     #[test]
+    fn a_long_board_whose_faces_cross_is_turned_over_where_that_is_wanted() {
+        // A board of 1.5 m by 20 mm on the lower wall; half a metre up its faces have changed places.
+        let corners = [
+            (0.0, 0.0),
+            (1.99, 0.0),
+            (2.01, 0.5),
+            (2.01, 1.5),
+            (1.99, 1.5),
+            (1.99, 0.5),
+            (2.01, 0.0),
+            (4.0, 0.0),
+            (4.0, 3.0),
+            (0.0, 3.0),
+        ];
+        let points: Vec<Point> = corners.iter().map(|(x, y)| Point::new(*x, *y)).collect();
+        assert_eq!(uncrossed(points.clone(), |_| false), None, "it may be an island");
+        let mended = uncrossed(points, |_| true).expect("a room with a board");
+        assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
+        assert!((mended.area() - 11.97).abs() < 0.005, "{}", mended.area());
+    }
+
+    #[test]
     fn an_arc_whose_ends_have_passed_each_other_does_not_go_all_the_way_round() {
         let model = Model::Arc { center: Point::origin(), radius: 0.2, hollow: false };
         let on = |bearing: f64| Point::origin() + angle::unit(bearing) * 0.2;

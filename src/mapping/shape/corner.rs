@@ -412,6 +412,24 @@ mod tests {
     }
 
     #[test]
+    fn a_corner_that_would_leave_nothing_of_a_wall_is_none() {
+        // 45 mm of the end of a board, and on along a face at 5 degrees to it, whose line meets that of the end
+        // 0.2 m before its beginning: all of the end would lie behind the corner, and be drawn backwards.
+        let u = angle::unit(0.09);
+        let end = (0..4).map(|k| Point::origin() + u * (0.2 + 0.015 * f64::from(k)));
+        let face = (0..8).map(|k| Point::new(0.25 + 0.05 * f64::from(k), 0.0));
+        let samples: Vec<Sample> =
+            end.chain(face).map(|p| seen(p.x, p.y, p + Vector::y() * 0.15)).collect();
+        let judge = Judge { samples: &samples, sigma: 0.0015, reach: 0.16 };
+        let line = |first: usize, last: usize, direction: Vector| {
+            let model = Model::Line { center: samples[first].point, direction };
+            Run { first, last, model }
+        };
+        let joint = judge.joint(&line(0, 3, u), &line(4, 11, Vector::x()));
+        assert!((joint.end - samples[3].point).norm() < 1e-6, "{joint:?}");
+    }
+
+    #[test]
     fn walls_that_are_short_or_meet_at_a_flat_angle_do_not_tell() {
         let judge = Judge { samples: &[], sigma: 0.0015, reach: 0.16 };
         let at = Point::new;

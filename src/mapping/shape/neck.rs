@@ -225,16 +225,12 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
     };
     let is_simple = |ring: &Ring| crossings(&ring.to_points(SAGITTA)).is_empty();
     let trimmed = |whole: &[Piece]| {
-        // A contact of the other face of a thin wall may reach through the side that was put in.
-        let ring = closed(whole.to_vec())?;
-        let is_same = |mended: &Ring| (mended.area() - ring.area()).abs() < SMALLEST;
-        if let Some(mended) = super::uncrossed(&ring).filter(is_same) {
-            return Some(mended);
-        }
-        let trims = (1..=2 * TRIMMED).flat_map(|sum| (0..=sum).map(move |m| (m, sum - m)));
-        trims
+        let trims = (0..=2 * TRIMMED).flat_map(|sum| (0..=sum).map(move |m| (m, sum - m)));
+        let simple = trims
             .filter(|(m, n)| *m <= TRIMMED && *n <= TRIMMED && m + n < whole.len())
-            .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()).filter(is_simple))
+            .find_map(|(m, n)| closed(whole[m..whole.len() - n].to_vec()).filter(is_simple));
+        // A contact of the other face of a thin wall may reach through the side that was put in.
+        simple.or_else(|| super::uncrossed(&closed(whole.to_vec())?))
     };
     let rest = trimmed(&between(k, i))?;
     let island = trimmed(&between(i, k))?;
@@ -295,21 +291,6 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.1564).abs() < 1e-9, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
-    }
-
-    #[test]
-    fn a_contact_of_the_other_face_that_reaches_through_the_cut_does_not_keep_a_box_on_the_wall() {
-        // The box stands before a board of 20 mm, whose other face was seen 4 mm too near once.
-        let board = [(3.0, 0.0), (3.0, -0.02), (2.03, -0.02), (2.02, 0.004), (2.01, -0.02)];
-        let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 0.28), (1.74, 0.54), (2.02, 0.82)].into_iter();
-        let corners = corners.chain([(2.3, 0.54), (2.04, 0.28), (2.04, 0.0)]).chain(board);
-        let corners =
-            corners.chain([(0.0, -0.02), (0.0, -2.0), (4.0, -2.0), (4.0, 3.0), (0.0, 3.0)]);
-        let points: Vec<Point> = corners.map(|(x, y)| Point::new(x, y)).collect();
-        let touched = [contact(1.0, 0.0), contact(1.74, 0.54)];
-        let (rest, found) = islands(Ring::polygon(&points), &touched, &[], &Chassis::default());
-        assert_eq!(found.len(), 1);
-        assert!((rest.area() - 19.94).abs() < 0.01, "{}", rest.area());
     }
 
     #[test]

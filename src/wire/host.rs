@@ -408,7 +408,11 @@ impl Host {
         }
         self.wait_anew(now);
         self.identity = Some(identity.clone());
-        self.clock = Clock::new(self.introduction.watchdog);
+        // In the same life its clock goes on: what waited at the robot while the line was gone is late, and
+        // nothing to hold later messages against.
+        if before != Some(identity.boot) {
+            self.clock = Clock::new(self.introduction.watchdog);
+        }
         self.clean = now;
         self.ping_due = now;
         told.push(Heard::Hello(Box::new(identity)));

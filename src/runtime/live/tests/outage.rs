@@ -21,7 +21,14 @@ fn goes_on(rig: &mut Rig) {
     rig.run.intent(Intent::Run, rig.now);
     let before = travelled(rig);
     rig.until(10.0, |_| false);
-    assert_eq!(rig.run_state(), RunState::Running);
+    let session = rig.run.session().expect("a session");
+    let told: Vec<String> = session.events().iter().map(|event| event.kind.to_string()).collect();
+    assert_eq!(
+        rig.run_state(),
+        RunState::Running,
+        "{:?}",
+        told.iter().rev().take(12).collect::<Vec<_>>()
+    );
     assert!(travelled(rig) - before > 0.3, "it stands");
 }
 

@@ -191,6 +191,21 @@ impl Action {
         ACTIONS.iter().find(|info| info.name == name).map(|info| info.action)
     }
 
+    /// Whether it would change what happened: in a replay there is nothing for it to do.
+    #[must_use]
+    pub fn changes_the_run(self) -> bool {
+        matches!(
+            self,
+            Self::ClearStop
+                | Self::AlphaDown
+                | Self::AlphaUp
+                | Self::LapAgain
+                | Self::LapAnew
+                | Self::Square
+                | Self::Finish
+        )
+    }
+
     /// Its row of the table.
     #[must_use]
     pub fn info(self) -> &'static ActionInfo {

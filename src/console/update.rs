@@ -45,9 +45,6 @@ const PAN: f64 = 0.125;
 /// How many entries of the log one key scrolls by.
 const LOG_STEP: isize = 3;
 
-/// A robot that was not heard for so long is lost until it is heard again, seconds.
-pub(super) const LOST: f64 = 1.5;
-
 /// Whether leaving now would leave a moving robot behind.
 #[must_use]
 pub fn may_move(snapshot: &Snapshot) -> bool {
@@ -124,25 +121,10 @@ pub fn paste(model: &mut Model, text: &str) {
     }
 }
 
-/// Whether `action` would change what happened: in a replay there is nothing for it to do.
-#[must_use]
-pub fn changes_the_run(action: Action) -> bool {
-    matches!(
-        action,
-        Action::ClearStop
-            | Action::AlphaDown
-            | Action::AlphaUp
-            | Action::LapAgain
-            | Action::LapAnew
-            | Action::Square
-            | Action::Finish
-    )
-}
-
 /// Does what the action says.
 pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     match action {
-        _ if snapshot.recorded && changes_the_run(action) => return only_looked_at(model),
+        _ if snapshot.recorded && action.changes_the_run() => return only_looked_at(model),
         Action::Stop => return vec![Effect::Intent(Intent::Stop)],
         Action::ClearStop if snapshot.latched => {
             return clear_stop(model, snapshot);

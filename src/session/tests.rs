@@ -109,7 +109,8 @@ fn a_refused_command_ends_the_run() {
     let (session, out) = begun(wrong, Phase::Objects, Intent::Run);
     assert_eq!(command(&out), None);
     assert!(out.contains(&Outgoing::Stop), "{out:?}");
-    assert!(matches!(session.run_state(), RunState::Failed(_)), "{:?}", session.run_state());
+    let RunState::Failed(why) = session.run_state() else { panic!("{:?}", session.run_state()) };
+    assert!(why.to_string().contains("mistake in the program"), "{why}");
 }
 
 /// What is told of the link is no step of the run: the replay does not hear of it.

@@ -8,6 +8,7 @@ mod timing;
 mod told;
 mod watch;
 
+pub use timing::LOST;
 pub use told::{Health, Heard, Identity, Loss, Sample};
 
 use super::frame::{Decoder, Item, STOP, seal};

@@ -7,7 +7,7 @@ use crate::console::action::{ACTIONS, Action, ActionInfo, Group};
 use crate::console::command::Command;
 use crate::console::model::{Hint, Model, Overlay};
 use crate::console::theme::{Role, Theme};
-use crate::console::update::{changes_the_run, may_move};
+use crate::console::update::may_move;
 use crate::mapping::map::Phase;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
@@ -139,7 +139,7 @@ fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
 fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     let stopped = snapshot.latched;
     let over = snapshot.run.is_over();
-    let useless = snapshot.recorded && changes_the_run(info.action);
+    let useless = snapshot.recorded && info.action.changes_the_run();
     !(info.footer.is_empty() || useless)
         && match info.action {
             Action::Stop => !stopped && !over,

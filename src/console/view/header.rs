@@ -4,9 +4,9 @@ use super::pen::{Pen, width};
 use super::words;
 use crate::console::model::Model;
 use crate::console::theme::{Role, Theme};
-use crate::console::update::LOST;
 use crate::session::Snapshot;
 use crate::session::snapshot::Known;
+use crate::wire::host::LOST;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 

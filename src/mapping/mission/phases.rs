@@ -109,22 +109,24 @@ impl Mission {
     /// stands apart, a large loop may be of that.
     pub(super) fn fitted_outline(&self) -> Result<Ring, Failure> {
         let loops = if self.map.shape.is_some() { Loops::All } else { Loops::Touched };
-        let joined = || shape::joined(&self.map.contacts, self.settings.chassis.reach());
-        self.fit(loops).map_or_else(joined, Ok)
+        shape::outline(&self.map.contacts, self.settings.chassis.reach(), self.give(), loops)
     }
 
-    /// What is fitted to the contacts of the lap, freed of such `loops`.
+    /// What is fitted to the contacts of the lap, freed of such `loops`; none where they can only be joined.
     pub(super) fn fit(&self, loops: Loops) -> Option<Ring> {
+        shape::fit(&self.map.contacts, self.settings.chassis.reach(), self.give(), loops)
+    }
+
+    /// How far the lap may be bent, metres: places spread over it tell.
+    fn give(&self) -> f64 {
         let contacts = &self.map.contacts;
         let knots = self.survey.knots();
-        // Places spread over the lap tell how far it may be bent.
         let doubts =
             contacts.iter().step_by((contacts.len() / MOST_DOUBTS).max(1)).map(|contact| {
                 let tie = self.survey.tie(contact.time_us(), knots);
                 self.survey.spread_at(contact.point, &tie).trace() / 2.0
             });
-        let give = doubts.fold(0.0, f64::max).max(0.0).sqrt();
-        shape::fit(contacts, self.settings.chassis.reach(), give, loops)
+        doubts.fold(0.0, f64::max).max(0.0).sqrt()
     }
 
     /// Lets the smooth walls of `outline` straighten the lap; true when there are any.

@@ -10,8 +10,8 @@ pub(super) const BOOT: f64 = 3.5;
 pub(super) const BLIND: f64 = 0.3;
 /// A line that was silent for this long is stale, seconds.
 pub(super) const STALE: f64 = 0.5;
-/// ... and lost after this.
-pub(super) const LOST: f64 = 1.5;
+/// ... and lost after this, until the robot is heard again.
+pub const LOST: f64 = 1.5;
 /// An answer is waited for this long, besides the time the bytes take, seconds.
 pub(super) const ANSWER: f64 = 0.05;
 /// A command that is not acknowledged for this long although the line is there is given up, seconds.

@@ -42,20 +42,3 @@ fn a_stop_before_a_run_goes_on_is_not_cleared() {
         assert!(went < 1e-3, "early: {early}: it went {went} m after the stop");
     }
 }
-
-/// A command that the gate does not let through ends the run: what would have been its end never comes.
-#[test]
-fn a_command_that_is_not_let_through_is_the_end_of_the_run() {
-    let mut settings = Settings::new(Pose::new(0.0, 0.0, 0.0));
-    (settings.chassis.speed, settings.chassis.turn_rate) = (0.0, 0.0);
-    let mut session = Session::new(settings, "tin".to_owned(), Phase::Objects);
-    let mut out = Vec::new();
-    let (odometer, switches) = (Odometer::default(), SwitchSet::EMPTY);
-    session.telemetry(&Telemetry::Report { odometer, switches, bumper: false }, &mut out);
-    session.intent(Intent::Run, &mut out);
-    assert!(out.contains(&Outgoing::Stop), "{out:?}");
-    assert!(!out.iter().any(|outgoing| matches!(outgoing, Outgoing::Command(_))), "{out:?}");
-    let ending = Ending::of(&session).expect("an ending");
-    assert_eq!(ending.outcome, Outcome::Failed);
-    assert!(ending.reason.contains("mistake in the program"), "{}", ending.reason);
-}

@@ -1,6 +1,6 @@
 //! What is written to the terminal, by a thread of its own. A terminal that takes nothing more (a
 //! connection that stalls, output that was halted) holds up that thread and nothing else: keys and
-//! signals are heard all the same.
+//! signals are heard all the same. Knows bytes, not what they show.
 
 use std::fs::File;
 use std::io::{self, Write};

@@ -1,5 +1,6 @@
 //! Motions that lead nowhere. The phases ask again for what is not done yet; a robot whose wheel is blocked, or
-//! that does not turn by as little as it is asked to, would be asked for ever.
+//! that does not turn by as little as it is asked to, would be asked for ever. Knows motions and what
+//! wheels and gyro read, not what they were asked for.
 
 use crate::mapping::network::Reading;
 use crate::robot::{DoneReason, Motion};

@@ -1,4 +1,5 @@
-//! The record is brought to the disk beside the control thread, which a slow disk would keep.
+//! The record is brought to the disk beside the control thread, which a slow disk would keep. Knows a
+//! file, not what is in it.
 
 use std::fs::File;
 use std::io::{self, ErrorKind};

@@ -1,5 +1,5 @@
 //! The numbers of the objects: within an object that has room for its own, else beside it; never over
-//! a wall, an object or another number.
+//! a wall, an object or another number. Knows what is drawn already, not what it is of.
 
 use crate::console::canvas::Canvas;
 use crate::console::canvas::viewport::{DOTS_X, DOTS_Y};

@@ -1,4 +1,4 @@
-//! The list of the objects with their sizes.
+//! The list of the objects with their sizes. Knows what is to be said of each, not where it is written.
 
 use super::{Row, figures, row, words};
 use crate::console::theme::Role;

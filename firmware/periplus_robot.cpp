@@ -275,7 +275,10 @@ void Robot::control() {
     const double brake = stopped_ ? 2 * change : change;
     speed_ -= clamp(speed_, -brake, brake);
   } else {
-    double target = sqrt(2 * acceleration * fabs(left));
+    // The fastest from which equal steps still brake in time: kStep * v now, then v less one step's change,
+    // and so on, is what is left. The continuous law would shoot past and come back.
+    const double half = kStep / 2;
+    double target = acceleration * (sqrt(half * half + 2 * fabs(left) / acceleration) - half);
     if (target > most_) target = most_;
     if (target > fabs(left) / kStep) target = fabs(left) / kStep;
     speed_ = clamp(left < 0 ? -target : target, speed_ - change * 1.5, speed_ + change);

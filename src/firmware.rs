@@ -29,7 +29,7 @@ const REPORT_STEPS: u32 = 5;
 /// Steps that the body is given to come to rest after a motion before the next one begins: the heading
 /// that a move holds is that of a body at rest. A command that comes sooner waits as long, so that what a
 /// robot does does not hang on how soon within them its host answers.
-const SETTLING: u32 = 3;
+const SETTLING: u32 = 2;
 
 #[derive(Debug, Clone, Copy)]
 struct Running {
@@ -174,8 +174,7 @@ impl Firmware {
         let target = if running.ending.is_some() || rest {
             0.0
         } else {
-            let braking = (2.0 * acceleration * left.abs()).sqrt();
-            most.min(braking).min(left.abs() / STEP) * left.signum()
+            most.min(braking(left.abs(), acceleration)).min(left.abs() / STEP) * left.signum()
         };
         let change = acceleration * STEP;
         running.speed = if hit {
@@ -262,6 +261,14 @@ impl Firmware {
             running.ending = running.ending.or(Some(reason));
         }
     }
+}
+
+/// The highest speed of the coming control step after which `left` is still enough to brake in, by
+/// equal steps: what is run in this step and in those of the braking, `v STEP + (v^2 / 2a - v STEP / 2)`,
+/// is `left`. The continuous `sqrt(2 a left)` would shoot past and come back.
+fn braking(left: f64, acceleration: f64) -> f64 {
+    let half = STEP / 2.0;
+    acceleration * ((half * half + 2.0 * left / acceleration).sqrt() - half)
 }
 
 #[cfg(test)]

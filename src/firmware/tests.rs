@@ -289,3 +289,22 @@ fn a_motion_waits_until_the_body_is_at_rest_and_is_stopped_before_it_begins() {
     assert_eq!(robot.until_done(true).0, DoneReason::Stopped);
     assert!((robot.x() - there).abs() < 1e-12, "it moved in spite of the stop");
 }
+
+#[test]
+fn a_motion_brakes_in_equal_steps_and_does_not_pass_its_end() {
+    for angle in [0.05, 0.3, 0.48, 0.96, 3.0] {
+        let mut robot = Robot::at(3.0, 2.0, 0.0);
+        robot.send(turn(angle), FREE, 10.0);
+        let mut farthest = 0.0_f64;
+        let mut steps = 0;
+        while !robot.said.iter().any(|told| matches!(told, Telemetry::Done { .. })) {
+            robot.step(true);
+            steps += 1;
+            farthest = farthest.max(robot.body.true_pose().heading);
+        }
+        assert!(farthest < angle + 2e-4, "{angle}: it went to {farthest}");
+        // As fast as wheels can: the rates rise and fall evenly, 10 rad/s^2, to 2 rad/s at most.
+        let ideal = if angle > 0.4 { angle / 2.0 + 0.2 } else { 2.0 * (angle / 10.0_f64).sqrt() };
+        assert!(f64::from(steps) * STEP < ideal + 0.08, "{angle}: {steps} steps, ideal {ideal} s");
+    }
+}

@@ -119,7 +119,7 @@ fn a_lap_asked_for_while_the_first_is_driven_comes_after_it() {
         run.advance();
     }
     run.intent(Intent::LapAgain);
-    while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
+    while run.is_under_way() && run.session().mission().phase() == Phase::Boundary {
         run.advance();
     }
     assert_eq!(run.snapshot().map.laps, 2);

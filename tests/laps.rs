@@ -49,7 +49,7 @@ fn a_metre_of_wall_costs_few_commands_and_little_time() {
             let settings = Settings { seed, ..Settings::new(world.start) };
             let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
             run.intent(Intent::Run);
-            while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
+            while run.is_under_way() && run.session().mission().phase() == Phase::Boundary {
                 run.advance();
             }
             let lap = run.snapshot().progress[0];
@@ -97,7 +97,7 @@ fn a_gap_that_is_refused_from_one_side_is_refused_from_the_other() {
         let settings = Settings { seed, ..Settings::new(world.start) };
         let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
         run.intent(Intent::Run);
-        while run.is_under_way() && run.snapshot().phase == Phase::Boundary {
+        while run.is_under_way() && run.session().mission().phase() == Phase::Boundary {
             run.advance();
         }
         let (map, way) = (run.snapshot().map, run.snapshot().progress[0].travel);

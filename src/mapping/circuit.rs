@@ -264,6 +264,7 @@ impl Circuit {
             looked: None,
             held: None,
             alike: false,
+            unlike: None,
         });
     }
 }

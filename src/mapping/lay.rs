@@ -236,15 +236,16 @@ impl Laid<'_> {
                 let arm = rotate(seen.at - self.centre, -found.z);
                 let placed = self.centre + arm - Vector::new(found.x, found.y);
                 let placed = Seen { at: placed, ..*seen };
-                let beside = self.early.beside(&placed);
-                let Some(wall) = self.early.stretch_beside(&placed) else {
+                let around = self.early.around(&placed);
+                let beside = around.beside();
+                let Some(wall) = around.stretch() else {
                     // Ragged wall has no stretch to lie on; a contact where one was agrees too, and
                     // holds on to it where they are close together.
-                    let agrees = beside.is_some() || self.early.is_between(&placed);
+                    let agrees = beside.is_some() || around.is_between();
                     agreeing += usize::from(agrees);
                     known += usize::from(agrees);
                     let Some(beside) = beside else { continue };
-                    if !self.early.is_ragged(&placed) {
+                    if !around.is_ragged() {
                         continue;
                     }
                     let off = placed.at - beside;

@@ -17,7 +17,7 @@ pub(crate) fn mapped(
 ) -> RoomMap {
     let mut run = begun(world, settings, noise);
     run.intent(Intent::Run);
-    while run.is_under_way() && run.snapshot().phase <= phase {
+    while run.is_under_way() && run.session().mission().phase() <= phase {
         run.advance();
     }
     run.snapshot().map

@@ -57,6 +57,10 @@ fn free_overlap(lap: f64) -> f64 {
     (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
 }
 
+/// Where the drift was free, a crossing is another place when what is driven beyond it does not lie on the
+/// beginning for so many metres: a slip of the wheels is over sooner.
+const UNLIKE_FOR: f64 = 0.6;
+
 /// A crossing that may be the end of the lap, until the overlap has told.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
@@ -69,6 +73,8 @@ pub(super) struct Candidate {
     pub(super) seconds: f64,
     /// What was looked at so far lies elsewhere on the beginning as well.
     pub(super) alike: bool,
+    /// How many metres beyond it the robot was when what is driven there ceased to lie on the beginning.
+    pub(super) unlike: Option<f64>,
     /// Metres to drive beyond it before it is looked at.
     pub(super) overlap: f64,
     /// Where what was looked at so far says that the robot was then.
@@ -76,6 +82,15 @@ pub(super) struct Candidate {
     /// What was measured there, as soon as that said where it is; what follows has to lie on the
     /// beginning too.
     pub(super) held: Option<Box<Held>>,
+}
+
+impl Candidate {
+    /// What is driven does not lie on the beginning, `driven` metres beyond the crossing.
+    fn lies_badly(&mut self, driven: f64) -> Verdict {
+        let since = *self.unlike.get_or_insert(driven);
+        self.overlap = driven + 0.2;
+        if driven - since > UNLIKE_FOR { Verdict::Another } else { Verdict::More }
+    }
 }
 
 /// A candidate that is sure of its place, but not yet that no other looks like it.
@@ -150,16 +165,29 @@ impl Circuit {
             self.candidates[index].overlap = driven + 0.2;
             return Verdict::More;
         }
-        let unlike = free && (overlap.share < FREE_SHARE || (all && !enough));
-        if overlap.agreement < least || unlike {
+        if free && all && !enough {
             return Verdict::Another;
         }
+        if overlap.agreement < least || (free && overlap.share < FREE_SHARE) {
+            let candidate = &mut self.candidates[index];
+            return if free { candidate.lies_badly(driven) } else { Verdict::Another };
+        }
+        self.candidates[index].unlike = None;
+        let candidate = &self.candidates[index];
         let far = !free || driven > free_overlap(lap);
         if !(enough || all) {
+            let left = overlap.misclosure.heading;
+            let is_told = overlap.sd.1 < HEADING_ENOUGH && left.abs() > SMALL;
+            let any = self.drifts.any();
             let candidate = &mut self.candidates[index];
             candidate.alike |= alike;
             candidate.overlap = driven + if alike { ALIKE } else { 0.2 };
             candidate.looked = looked;
+            if any && free && is_told && candidate.seconds > 0.0 {
+                // A straight wall tells the heading long before a corner tells the place: what is driven
+                // meanwhile would lie ever worse on the beginning with the drift as it was guessed.
+                candidate.rate += left / candidate.seconds;
+            }
             return Verdict::More;
         }
         let left = overlap.misclosure.heading;
@@ -195,8 +223,9 @@ impl Circuit {
         let Some(held) = &mut candidate.held else { return Verdict::More };
         if overlap.known >= EVIDENCE {
             if overlap.agreement < AGREEMENT_BEYOND || overlap.share < FREE_SHARE {
-                return Verdict::Another;
+                return candidate.lies_badly(driven);
             }
+            candidate.unlike = None;
             held.led = led;
         }
         if far {
@@ -218,8 +247,11 @@ impl Circuit {
     }
 
     /// Where the last round of a lap began, when it closed on a later round only: all along that and
-    /// the round before, the robot came by the same places.
-    fn last_round(&self, from: &Anchor, to: &Anchor) -> f64 {
+    /// the round before, the robot came by the same places, as its way is without the drift.
+    fn last_round(&self, from: &Anchor, to: &Anchor, unwound: Option<&Unwound>) -> f64 {
+        let trail = unwound.map_or(Cow::Borrowed(&self.trail), |unwound| {
+            Cow::Owned(self.trail.iter().map(|place| place.unwound(unwound)).collect())
+        });
         let lap = to.travelled - from.travelled;
         let alike = |travelled: f64| {
             let round = to.travelled - travelled;
@@ -232,22 +264,13 @@ impl Circuit {
             whole
                 && [0.0, 0.2, 0.4, 0.6, 0.8].iter().all(|share| {
                     let (now, then) = (to.travelled - share * round, travelled - share * round);
-                    self.place(now)
-                        .zip(self.place(then))
+                    passed(&trail, now)
+                        .zip(passed(&trail, then))
                         .is_some_and(|(a, b)| (a - b).norm() < near)
                 })
         };
-        let places = self.trail.iter().map(|place| place.travelled).filter(|at| alike(*at));
+        let places = trail.iter().map(|place| place.travelled).filter(|at| alike(*at));
         places.fold(from.travelled, f64::max)
-    }
-
-    /// Where the robot was when it had travelled that far.
-    fn place(&self, travelled: f64) -> Option<Point> {
-        let after = self.trail.partition_point(|place| place.travelled < travelled);
-        let (late, early) = (self.trail.get(after)?, self.trail.get(after.checked_sub(1)?)?);
-        let share = (travelled - early.travelled) / (late.travelled - early.travelled).max(1e-9);
-        let (here, there) = (early.pose.position, late.pose.position);
-        Some(here + (there - here) * share)
     }
 
     /// The lap without a drift of `rate`, its end laid on its beginning, and where the robot was then.
@@ -261,9 +284,10 @@ impl Circuit {
         }
         let turned = angle::wrap(to.pose.heading - from.pose.heading);
         to.heading = from.heading + turned + angle::TAU * candidate.sense;
-        let last_round = self.last_round(&from, &to);
+        let last_round = self.last_round(&from, &to, unwound.as_ref());
         let side = self.follower.side();
-        let pocket = self.pocket;
+        // Rounds of the whole lap, led astray by drift, look like those of a pocket meanwhile.
+        let pocket = self.pocket.filter(|pocket| pocket.lies_within(last_round, to.travelled));
         let over = to.travelled;
         let closure = Closure { from, to, side, drift: rate, last_round, over, pocket };
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
@@ -292,4 +316,13 @@ impl Circuit {
         });
         (unwound, seen)
     }
+}
+
+/// Where the robot was on `trail` when it had travelled that far.
+fn passed(trail: &[Anchor], travelled: f64) -> Option<Point> {
+    let after = trail.partition_point(|place| place.travelled < travelled);
+    let (late, early) = (trail.get(after)?, trail.get(after.checked_sub(1)?)?);
+    let share = (travelled - early.travelled) / (late.travelled - early.travelled).max(1e-9);
+    let (here, there) = (early.pose.position, late.pose.position);
+    Some(here + (there - here) * share)
 }

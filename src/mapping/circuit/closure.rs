@@ -76,6 +76,11 @@ impl Pocket {
         Self { from, to }
     }
 
+    /// Whether it was driven between these two readings of the odometer, metres.
+    pub(super) fn lies_within(&self, from: f64, to: f64) -> bool {
+        from <= self.from && self.to <= to
+    }
+
     /// Whether what was seen after `travelled` metres was seen on it.
     #[must_use]
     pub fn holds(&self, travelled: f64) -> bool {

@@ -57,25 +57,41 @@ impl Look<'_> {
         STRAIGHT.max(1.6 * self.scatter)
     }
 
-    /// The contacts that may be of the surface that was `seen`, no farther from it than `reach`, metres.
-    fn about(&self, seen: &Seen, reach: f64) -> Vec<Point> {
-        let facing = self.seen.iter().filter(|early| early.faces_as(seen)).map(|early| early.at);
-        facing.filter(|at| (at - seen.at).norm() < reach).collect()
+    /// What was seen in it around `seen`, which came later.
+    pub(super) fn around<'s>(&self, seen: &'s Seen) -> Around<'s> {
+        let [.., reach] = NEIGHBOURS;
+        let close = |early: &&Seen| (early.at.x - seen.at.x).abs() < reach && early.faces_as(seen);
+        let away = |early: &Seen| ((early.at - seen.at).norm(), early.at);
+        let facing = self.seen.iter().filter(close).map(away).filter(|(away, _)| *away < reach);
+        Around { seen, facing: facing.collect(), near: self.near(), straight: self.straight() }
+    }
+}
+
+/// A contact among those of an earlier look.
+pub(super) struct Around<'s> {
+    seen: &'s Seen,
+    /// Contacts that may be of the same surface, and how far away they are, metres.
+    facing: Vec<(f64, Point)>,
+    near: f64,
+    straight: f64,
+}
+
+impl Around<'_> {
+    /// Those no farther than `reach`, metres.
+    fn within(&self, reach: f64) -> Vec<Point> {
+        self.facing.iter().filter(|(away, _)| *away < reach).map(|(_, at)| *at).collect()
     }
 
-    /// The contact nearest to what was `seen` later, when one lies beside it.
-    pub(super) fn beside(&self, seen: &Seen) -> Option<Point> {
-        let near = self.near();
-        let off = |early: &Seen| (early.at - seen.at).norm();
-        let facing = self.seen.iter().filter(|early| early.faces_as(seen) && off(early) < near);
-        facing.min_by(|a, b| off(a).total_cmp(&off(b))).map(|early| early.at)
+    /// The contact nearest to it, when one lies beside it.
+    pub(super) fn beside(&self) -> Option<Point> {
+        let beside = self.facing.iter().filter(|(away, _)| *away < self.near);
+        beside.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| *at)
     }
 
-    /// Whether what was `seen` lies between two contacts next to each other: where a wall has corners
-    /// its contacts lie on no line, and a later one comes between them.
-    pub(super) fn is_between(&self, seen: &Seen) -> bool {
-        let near = self.near();
-        let close = self.about(seen, NEIGHBOURS[0]);
+    /// Whether it lies between two contacts next to each other: where a wall has corners its contacts lie on
+    /// no line, and a later one comes between them.
+    pub(super) fn is_between(&self) -> bool {
+        let close = self.within(NEIGHBOURS[0]);
         close.iter().enumerate().any(|(k, a)| {
             close[k + 1..].iter().any(|b| {
                 let along = b - a;
@@ -83,28 +99,26 @@ impl Look<'_> {
                 if !(1e-6..NEIGHBOURS[0]).contains(&length) {
                     return false;
                 }
-                let off = seen.at - a;
+                let off = self.seen.at - a;
                 let share = along.dot(&off) / length;
-                (0.0..=length).contains(&share) && (cross(along, off) / length).abs() < near
+                (0.0..=length).contains(&share) && (cross(along, off) / length).abs() < self.near
             })
         })
     }
 
-    /// Whether the contacts close about what was `seen` lie on no line: they tell where along the wall
-    /// it is.
-    pub(super) fn is_ragged(&self, seen: &Seen) -> bool {
-        let close = self.about(seen, NEIGHBOURS[0]);
+    /// Whether the contacts close about it lie on no line: they tell where along the wall it is.
+    pub(super) fn is_ragged(&self) -> bool {
+        let close = self.within(NEIGHBOURS[0]);
         close.len() >= A_STRETCH
-            && Stretch::through(&close).is_some_and(|line| line.residual >= self.straight())
+            && Stretch::through(&close).is_some_and(|line| line.residual >= self.straight)
     }
 
-    /// The straight stretch of wall on which what was `seen` lies: through its neighbours, as near as
-    /// there are enough of them.
-    pub(super) fn stretch_beside(&self, seen: &Seen) -> Option<Stretch> {
-        let tolerance = self.straight();
-        let point = seen.at;
+    /// The straight stretch of wall on which it lies: through its neighbours, as near as there are enough of
+    /// them.
+    pub(super) fn stretch(&self) -> Option<Stretch> {
+        let (point, tolerance) = (self.seen.at, self.straight);
         NEIGHBOURS.iter().find_map(|reach| {
-            let near = self.about(seen, *reach);
+            let near = self.within(*reach);
             if near.len() < A_STRETCH {
                 return None;
             }

@@ -9,7 +9,8 @@ use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
 use periplus::simulator::noise::Noise;
 use periplus::simulator::{NoiseProfile, World};
-use std::process::Command;
+use std::path::PathBuf;
+use std::process::{Command, Output};
 
 const ROOMS: [&str; 2] =
     [include_str!("../sims/rectangle.toml"), include_str!("../sims/l_room.toml")];
@@ -66,31 +67,40 @@ fn round_a_large_room_less_is_learnt_and_that_is_known() {
     }
 }
 
+/// What the program makes of a robot out of the box, given one length that was taped.
+fn calibrated(seed: u64, more: &[&str]) -> (Output, PathBuf) {
+    let name = format!("periplus-calibrate-{}-{seed}", std::process::id());
+    let out = std::env::temp_dir().join(name);
+    let _ = std::fs::remove_dir_all(&out);
+    let done = Command::new(env!("CARGO_BIN_EXE_periplus"))
+        .args(["calibrate", "--world", "sims/rectangle.toml", "--noise", "raw"])
+        .args(["--seed", &seed.to_string(), "--tape", "0,0:5,0=5.0", "--out"])
+        .arg(&out)
+        .args(more)
+        .output()
+        .expect("the program");
+    (done, out)
+}
+
 #[test]
 fn the_routine_writes_a_body_that_a_robot_can_be_given() {
-    let out = std::env::temp_dir().join(format!("periplus-calibrate-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&out);
-    let periplus = |more: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_periplus"))
-            .args(["calibrate", "--world", "sims/rectangle.toml", "--noise", "raw", "--seed", "3"])
-            .args(["--tape", "0,0:5,0=5.0", "--out"])
-            .arg(&out)
-            .args(more)
-            .output()
-            .expect("the program")
-    };
-    let refused = periplus(&["--laps", "1"]);
-    assert_eq!(refused.status.code(), Some(2));
-    let done = periplus(&[]);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let body = chassis::read(&out.join("chassis.toml"));
-    let report = std::fs::read_to_string(out.join("report.json")).expect("a report");
-    let _ = std::fs::remove_dir_all(&out);
-    let body = body.expect("a chassis");
-    let truth = Noise::new(NoiseProfile::Raw, 3, 8);
-    let told = f64::midpoint(truth.wheel_scale[0], truth.wheel_scale[1]);
-    assert!((body.tick * told / 0.0005 - 1.0).abs() < 0.001, "{}", body.tick);
-    assert!((body.wheel_base - 0.16).abs() < 0.0004, "{}", body.wheel_base);
-    assert_eq!(body.sensors.len(), 8);
-    assert!(report.contains("\"calibration\""));
+    assert_eq!(calibrated(1, &["--laps", "1"]).0.status.code(), Some(2), "one way round only");
+    let (mut tick, mut base) = (Vec::new(), Vec::new());
+    for seed in 1..=12 {
+        let (done, out) = calibrated(seed, &[]);
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let body = chassis::read(&out.join("chassis.toml"));
+        let report = std::fs::read_to_string(out.join("report.json")).expect("a report");
+        let _ = std::fs::remove_dir_all(&out);
+        let body = body.expect("a chassis");
+        let truth = Noise::new(NoiseProfile::Raw, seed, 8);
+        let told = f64::midpoint(truth.wheel_scale[0], truth.wheel_scale[1]);
+        tick.push(body.tick * told / 0.0005 - 1.0);
+        base.push(body.wheel_base - 0.16);
+        assert_eq!(body.sensors.len(), 8);
+        assert!(report.contains("\"calibration\""));
+    }
+    // Every motion slips by itself: 96 robots were off by 0.0013 and 0.26 mm (root mean square).
+    let (tick, base) = (root_mean_square(&tick), root_mean_square(&base));
+    assert!(tick < 0.002 && base < 0.0004, "{tick} {base}");
 }

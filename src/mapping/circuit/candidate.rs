@@ -176,24 +176,18 @@ impl Circuit {
         let candidate = &self.candidates[index];
         let far = !free || driven > free_overlap(lap);
         if !(enough || all) {
-            let left = overlap.misclosure.heading;
-            let is_told = overlap.sd.1 < HEADING_ENOUGH && left.abs() > SMALL;
-            let any = self.drifts.any();
+            // A straight wall tells the heading long before a corner tells the place: what is driven meanwhile
+            // would lie ever worse on the beginning with the drift as it was guessed.
+            let is_told = free && overlap.sd.1 < HEADING_ENOUGH;
+            let rate = self.without_heading(candidate, &overlap).filter(|_| is_told);
             let candidate = &mut self.candidates[index];
             candidate.alike |= alike;
             candidate.overlap = driven + if alike { ALIKE } else { 0.2 };
             candidate.looked = looked;
-            if any && free && is_told && candidate.seconds > 0.0 {
-                // A straight wall tells the heading long before a corner tells the place: what is driven
-                // meanwhile would lie ever worse on the beginning with the drift as it was guessed.
-                candidate.rate += left / candidate.seconds;
-            }
+            candidate.rate = rate.unwrap_or(candidate.rate);
             return Verdict::More;
         }
-        let left = overlap.misclosure.heading;
-        // In the middle of a mapped room nobody takes a drift out of all that was driven.
-        if self.drifts.any() && left.abs() > SMALL && candidate.seconds > 0.0 {
-            let rate = candidate.rate + left / candidate.seconds;
+        if let Some(rate) = self.without_heading(candidate, &overlap) {
             Laid { closure, overlap, .. } = self.laid(candidate, rate, tracker);
         }
         let led = Led::by(&overlap);
@@ -207,6 +201,14 @@ impl Circuit {
         candidate.overlap = driven + 0.2;
         candidate.held = Some(Box::new(held));
         Verdict::More
+    }
+
+    /// The drift with which the candidate's end, laid as `overlap` says, is not turned against its beginning;
+    /// none where it hardly is. In the middle of a mapped room nobody takes a drift out of all that was driven.
+    fn without_heading(&self, candidate: &Candidate, overlap: &Overlap) -> Option<f64> {
+        let left = overlap.misclosure.heading;
+        let is_turned = self.drifts.any() && left.abs() > SMALL && candidate.seconds > 0.0;
+        is_turned.then(|| candidate.rate + left / candidate.seconds)
     }
 
     /// Whether what was driven since the candidate was sure of its place, piece by piece, lies on the

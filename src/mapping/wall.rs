@@ -14,7 +14,7 @@ mod swept;
 
 pub use sighting::{Sighting, Turning};
 pub use stretch::Stretch;
-pub use swept::{Stroke, swept};
+pub use swept::{Stroke, closed_beams, swept};
 
 use self::carve::Trail;
 use super::drift::Unwound;

@@ -50,7 +50,11 @@ impl Mission {
         let again = (alone || was_joined).then(|| self.fit(Loops::All)).flatten();
         let is_round = |ring: &Ring| matches!(ring.pieces[..], [Piece::Arc { .. }]);
         let is_same = |ring: &Ring| (ring.area() / rest.area() - 1.0).abs() < REFINED;
-        let better = again.filter(|ring| is_round(ring) || (was_joined && is_same(ring)));
+        // A side across floor that the robot drove on joins what is not beside each other.
+        let is_driven_over = |ring: &Ring| self.way_within(ring) < self.way_within(&rest);
+        let better = again.filter(|ring| {
+            (is_round(ring) || (was_joined && is_same(ring))) && !is_driven_over(ring)
+        });
         better.unwrap_or(rest)
     }
 

@@ -266,12 +266,17 @@ impl Mission {
     /// Whether most of the robot's way lies within `outline`: one that leaves it out is not where it
     /// drove.
     fn encloses_the_lap(&self, outline: &Ring) -> bool {
+        self.way_within(outline) >= 0.5
+    }
+
+    /// The share of the robot's way that lies within `outline`.
+    pub(super) fn way_within(&self, outline: &Ring) -> f64 {
         let path = self.tracker.path();
         let looked_at = path.iter().step_by((path.len() / MOST_LOOKED_AT).max(1));
-        let (inside, all) = looked_at.fold((0, 0), |(inside, all), point| {
-            (inside + usize::from(outline.contains(point.pose.position)), all + 1)
+        let (inside, all) = looked_at.fold((0_u32, 0_u32), |(inside, all), point| {
+            (inside + u32::from(outline.contains(point.pose.position)), all + 1)
         });
-        inside * 2 >= all
+        f64::from(inside) / f64::from(all.max(1))
     }
 
     /// Keeps what is known of wheels and gyro, once that is more than a guess.

@@ -20,6 +20,10 @@ const END_FACE: f64 = 0.1;
 /// Narrower gaps are none that anybody would want to know of, metres.
 const NARROWEST: f64 = 0.08;
 
+/// What is seen through the middle of a gap, shares of its chord, stands farther behind it than this, metres.
+const MIDDLE: Range<f64> = 0.33..0.67;
+const BEHIND: f64 = 0.03;
+
 /// On which side of an outline the robot was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Floor {
@@ -43,6 +47,21 @@ pub(super) fn is_chord(
     }
     let end = END.min(length / 4.0);
     !touches(piece, floor, touched).any(|(s, _)| (end..length - end).contains(&s))
+}
+
+/// Whether something stands on the straight piece all the same, as those `beams` say of switches that were
+/// closed on its `floor` side: more than once they ended on its middle, or little behind that. Between two
+/// looks at a long wall there are no contacts, but its switch stays closed.
+pub(super) fn is_held(piece: &Piece, floor: Floor, beams: &[(Point, Point)]) -> bool {
+    let (from, along) = (piece.from(), piece.to() - piece.from());
+    let left = if floor == Floor::Inside { 1.0 } else { -1.0 };
+    let ends_on_it = |&&(rim, tip): &&(Point, Point)| {
+        let (before, behind) = (left * cross(along, rim - from), left * cross(along, tip - from));
+        let at = rim + (tip - rim) * (before / (before - behind));
+        let share = along.dot(&(at - from)) / along.norm_squared();
+        before > 0.0 && behind < 0.0 && MIDDLE.contains(&share) && (tip - at).norm() < BEHIND
+    };
+    beams.iter().filter(ends_on_it).count() > 1
 }
 
 /// The contacts on a straight piece from its `floor` side, and how far along it each lies, metres; those
@@ -176,5 +195,21 @@ mod tests {
         let straight = [at(0.0, 0.0), at(0.8, 0.0), at(1.15, -0.01), at(1.15, 1.0), at(0.0, 1.0)];
         let outline = Ring::polygon(&straight);
         assert_eq!(seen_to_its_ends(&outline, Floor::Outside, &near, &lengths), None);
+    }
+
+    #[test]
+    fn where_a_switch_stays_closed_there_is_no_gap() {
+        let piece = line(Point::new(0.0, 0.0), Point::new(0.3, 0.0));
+        let beams = |from: f64, to: f64, count: usize| {
+            let beam = |k: usize| (0.14 + 0.01 * k as f64, from, to);
+            let ends = |(x, from, to)| (Point::new(x, from), Point::new(x, to));
+            (0..count).map(beam).map(ends).collect::<Vec<(Point, Point)>>()
+        };
+        assert!(is_held(&piece, Floor::Inside, &beams(0.04, -0.02, 3)));
+        // What closed them may stand well behind; they came from behind; one says nothing.
+        for other in [beams(0.01, -0.05, 3), beams(-0.04, 0.02, 3), beams(0.04, -0.02, 1)] {
+            assert!(!is_held(&piece, Floor::Inside, &other));
+        }
+        assert!(is_held(&piece, Floor::Outside, &beams(-0.04, 0.02, 3)));
     }
 }

@@ -6,13 +6,13 @@
 //! worn switches laid two faces through each other and what nobody has looked at may be a board
 //! ([`super::divide`]). Knows outlines, contacts, and the way where they need it; not what becomes of the map.
 
-use super::chord::{Floor, SHORTEST, SUPPORT, is_chord, seen_to_its_ends};
+use super::chord::{Floor, SHORTEST, SUPPORT, is_chord, is_held, seen_to_its_ends};
 use super::gap::{Gap, TOUCHING};
 use super::object::{necked, object_outline};
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring};
 use crate::mapping::map::{Contact, ContactKind};
-use crate::mapping::wall::Stroke;
+use crate::mapping::wall::{Stroke, closed_beams};
 use crate::robot::Chassis;
 use std::ops::Range;
 
@@ -34,6 +34,8 @@ const LARGEST: f64 = 0.25;
 const ALIKE: f64 = 1.5;
 /// What is fitted to a thing has all of its corners as near as this, metres.
 const LEFT_OUT: f64 = 0.06;
+/// The beams of closed switches are looked at this far apart, metres.
+const PACE: f64 = 0.01;
 /// Cuts at most.
 const MOST_CUTS: u32 = 20;
 /// Chords stand for arcs within this, metres.
@@ -51,8 +53,9 @@ pub fn islands(
     let mut outline = outline;
     let mut found = Vec::new();
     let mut cuts = 0;
+    let seen = Touched::on(contacts, strokes, chassis);
     while cuts < MOST_CUTS
-        && let Some((rest, island)) = cut(&outline, contacts, Floor::Inside, chassis)
+        && let Some((rest, island)) = cut(&outline, &seen, Floor::Inside, chassis)
     {
         outline = rest;
         cuts += 1;
@@ -98,8 +101,9 @@ pub(super) fn apart(
 ) -> Vec<Ring> {
     let mut found = vec![outline.clone()];
     let mut looked_at = 0;
+    let seen = Touched::on(contacts, strokes, chassis);
     while looked_at < found.len() && found.len() < MOST_CUTS as usize {
-        if let Some((one, other)) = cut(&found[looked_at], contacts, Floor::Outside, chassis) {
+        if let Some((one, other)) = cut(&found[looked_at], &seen, Floor::Outside, chassis) {
             found[looked_at] = one;
             found.push(other);
         } else {
@@ -126,24 +130,42 @@ pub fn shared_out(contacts: &[Contact], rings: &[Ring]) -> Vec<Vec<Contact>> {
     parts
 }
 
+/// What is known to stand.
+struct Touched<'a> {
+    contacts: &'a [Contact],
+    /// Where surfaces were touched, and from where.
+    places: Vec<(Point, Point)>,
+    /// The beams of closed switches.
+    beams: Vec<(Point, Point)>,
+}
+
+impl<'a> Touched<'a> {
+    /// What the `contacts` that were made on the way of `strokes` say.
+    fn on(contacts: &'a [Contact], strokes: &[Stroke], chassis: &Chassis) -> Self {
+        let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
+        let places = surfaces.map(|c| (c.point, c.from)).collect();
+        Self { contacts, places, beams: closed_beams(strokes, chassis, PACE) }
+    }
+}
+
 /// The two parts of `outline`, where two chords join them and nothing else does: for a room, its
 /// outline and what stands in it.
 fn cut(
     outline: &Ring,
-    contacts: &[Contact],
+    seen: &Touched<'_>,
     floor: Floor,
     chassis: &Chassis,
 ) -> Option<(Ring, Ring)> {
-    let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
-    let touched: Vec<(Point, Point)> = surfaces.map(|c| (c.point, c.from)).collect();
     let longest = SLANT * chassis.passable_gap();
     let cut = |outline: &Ring, lengths: &Range<f64>| {
-        cut_at(outline, contacts, floor, chassis, |piece| is_chord(piece, floor, &touched, lengths))
+        cut_at(outline, seen.contacts, floor, chassis, |piece| {
+            is_chord(piece, floor, &seen.places, lengths) && !is_held(piece, floor, &seen.beams)
+        })
     };
     cut(outline, &(SHORTEST..longest)).or_else(|| {
         // What is left between two touches of a thin wall is no gap: these must be as wide as one that counts.
         let lengths = TOUCHING..longest;
-        cut(&seen_to_its_ends(outline, floor, &touched, &lengths)?, &lengths)
+        cut(&seen_to_its_ends(outline, floor, &seen.places, &lengths)?, &lengths)
     })
 }
 

@@ -148,6 +148,27 @@ pub fn swept(strokes: &[Stroke], chassis: &Chassis, grid: &Grid) -> Vec<bool> {
     free
 }
 
+/// The beams of switches that were closed on the way of `strokes`, every `pace` metres of it, from the rim of
+/// the body to as far as they see: something stands on each of them.
+#[must_use]
+pub fn closed_beams(strokes: &[Stroke], chassis: &Chassis, pace: f64) -> Vec<(Point, Point)> {
+    let reach = chassis.reach();
+    let beams = |stroke: &Stroke, pose: Pose| {
+        let closed = stroke.closed;
+        let sensors = chassis.sensors.iter().enumerate().filter(move |(k, _)| closed.has(*k));
+        sensors.map(move |(_, mount)| {
+            let ray = angle::unit(pose.heading + mount.angle);
+            (pose.position + ray * chassis.radius, pose.position + ray * reach)
+        })
+    };
+    let poses = |stroke: &Stroke| stroke.poses(pace, reach).collect::<Vec<Pose>>();
+    strokes
+        .iter()
+        .filter(|stroke| stroke.closed != SwitchSet::EMPTY)
+        .flat_map(|stroke| poses(stroke).into_iter().flat_map(move |pose| beams(stroke, pose)))
+        .collect()
+}
+
 /// Marks the cells within `radius` of `middle`.
 fn cover(free: &mut [bool], grid: &Grid, middle: Point, radius: f64) {
     let (x0, y0) = grid.locate(middle - crate::geometry::Vector::new(radius, radius));

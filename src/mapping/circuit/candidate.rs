@@ -46,6 +46,12 @@ const SMALL: f64 = 0.02;
 /// every few metres.
 const LOOSE: f64 = 0.5;
 
+/// Where the drift was free, a crossing is another place when what is driven beyond it does not lie on the
+/// beginning for so many metres: a slip of the wheels is over sooner.
+const UNLIKE_FOR: f64 = 0.6;
+
+/// An overlap that does not tell yet is looked at again after so much more of it, metres.
+const ON: f64 = 0.2;
 /// Where an overlap lies elsewhere as well, it is looked at again after so much more of it, metres.
 const ALIKE: f64 = 1.0;
 
@@ -56,10 +62,6 @@ const ANOTHER_PLACE: f64 = 0.9;
 fn free_overlap(lap: f64) -> f64 {
     (FREE_OVERLAP * lap).clamp(MOST_OVERLAP, MOST_FREE_OVERLAP)
 }
-
-/// Where the drift was free, a crossing is another place when what is driven beyond it does not lie on the
-/// beginning for so many metres: a slip of the wheels is over sooner.
-const UNLIKE_FOR: f64 = 0.6;
 
 /// A crossing that may be the end of the lap, until the overlap has told.
 #[derive(Debug, Clone)]
@@ -88,7 +90,7 @@ impl Candidate {
     /// What is driven does not lie on the beginning, `driven` metres beyond the crossing.
     fn lies_badly(&mut self, driven: f64) -> Verdict {
         let since = *self.unlike.get_or_insert(driven);
-        self.overlap = driven + 0.2;
+        self.overlap = driven + ON;
         if driven - since > UNLIKE_FOR { Verdict::Another } else { Verdict::More }
     }
 }
@@ -162,7 +164,7 @@ impl Circuit {
         }
         if overlap.known < EVIDENCE && !all {
             // On a straight wall contacts are far between: nothing is known yet, either way.
-            self.candidates[index].overlap = driven + 0.2;
+            self.candidates[index].overlap = driven + ON;
             return Verdict::More;
         }
         if free && all && !enough {
@@ -182,7 +184,7 @@ impl Circuit {
             let rate = self.without_heading(candidate, &overlap).filter(|_| is_told);
             let candidate = &mut self.candidates[index];
             candidate.alike |= alike;
-            candidate.overlap = driven + if alike { ALIKE } else { 0.2 };
+            candidate.overlap = driven + if alike { ALIKE } else { ON };
             candidate.looked = looked;
             candidate.rate = rate.unwrap_or(candidate.rate);
             return Verdict::More;
@@ -198,7 +200,7 @@ impl Circuit {
         let held = Held { closure, overlap, led };
         let candidate = &mut self.candidates[index];
         candidate.rate = closure.drift;
-        candidate.overlap = driven + 0.2;
+        candidate.overlap = driven + ON;
         candidate.held = Some(Box::new(held));
         Verdict::More
     }
@@ -221,7 +223,7 @@ impl Circuit {
             lead_on(&closure, &self.unwound(candidate.rate, tracker).1, beyond, held.led);
         let far = driven > free_overlap(closure.length());
         let candidate = &mut self.candidates[index];
-        candidate.overlap = driven + 0.2;
+        candidate.overlap = driven + ON;
         let Some(held) = &mut candidate.held else { return Verdict::More };
         if overlap.known >= EVIDENCE {
             if overlap.agreement < AGREEMENT_BEYOND || overlap.share < FREE_SHARE {

@@ -1,5 +1,6 @@
 //! Chords: pieces of an outline that cross a gap which the robot did not enter. Nobody has touched them; they
-//! only join what was seen on both sides. Knows an outline and its contacts, not what stands behind the gap.
+//! only join what was seen on both sides. Knows an outline, its contacts and where switches stayed closed, not
+//! what stands behind the gap.
 
 use crate::geometry::{Piece, Point, Ring, cross};
 use crate::mapping::map::Contact;

@@ -1,5 +1,5 @@
-//! Where the robot has been, and which of its beams were open on the way: the floor that it knows to be
-//! free. Records; what that says of the things beside it, others judge.
+//! Where the robot has been, and which of its beams were open on the way, the floor that it knows to be
+//! free, and which were closed. Records; what that says of the things beside it, others judge.
 
 use super::Wall;
 use crate::geometry::raster::Grid;

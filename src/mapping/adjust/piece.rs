@@ -55,6 +55,11 @@ impl Led {
         self.about(centre).off
     }
 
+    /// Whether it places what it turned about farther than `reach` metres from where `other` does.
+    pub fn is_off(self, other: Self, reach: f64) -> bool {
+        (self.off - other.at(self.centre)).xy().norm() > reach
+    }
+
     /// The same, turning about `centre`.
     fn about(self, centre: Point) -> Self {
         let arm = centre - self.centre;
@@ -69,18 +74,21 @@ impl Led {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placed {
     time_us: u64,
-    pose: Pose,
+    /// Odometer, metres.
+    pub travelled: f64,
+    /// Where the robot really was.
+    pub pose: Pose,
 }
 
 impl Placed {
     /// Where what was `seen` last was seen from, `led` onto the beginning.
     #[must_use]
     pub fn last(seen: &[Sighting], led: Led) -> Option<Self> {
-        let Sighting { pose, time_us, .. } = *seen.last()?;
+        let Sighting { pose, time_us, travelled, .. } = *seen.last()?;
         let off = led.at(pose.position);
         let position = pose.position - Vector::new(off.x, off.y);
         let heading = angle::wrap(pose.heading - off.z);
-        Some(Self { time_us, pose: Pose { position, heading } })
+        Some(Self { time_us, travelled, pose: Pose { position, heading } })
     }
 
     /// What leads there what was `seen`.

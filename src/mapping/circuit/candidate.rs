@@ -55,8 +55,14 @@ const ON: f64 = 0.2;
 /// Where an overlap lies elsewhere as well, it is looked at again after so much more of it, metres.
 const ALIKE: f64 = 1.0;
 
-/// Candidates farther apart than this along the lap, metres, are of different places.
+/// Candidates that take the robot to be farther apart on the beginning than this along the lap, metres, are of
+/// different places; what faces another way there than the robot does, radians, is not where it is.
 const ANOTHER_PLACE: f64 = 0.9;
+const SAME_WAY: f64 = 1.0;
+
+/// A candidate that lies by more than this otherwise than it was held to lie, metres, was held in the wrong
+/// notch of a ragged wall.
+const SLID: f64 = 0.1;
 
 /// How far the robot drives beyond the end of a `lap` (metres) that it found without a drift, metres.
 fn free_overlap(lap: f64) -> f64 {
@@ -151,7 +157,7 @@ impl Circuit {
         }
         let laid = self.laid(candidate, candidate.rate, tracker);
         let known = laid.is_known();
-        let Laid { mut closure, mut overlap, looked, free, alike } = laid;
+        let Laid { mut closure, mut overlap, mut looked, free, alike } = laid;
         let lap = closure.length();
         let most = if free { MOST_FREE_OVERLAP } else { MOST_OVERLAP };
         // Where walls repeat themselves, only their ends tell.
@@ -190,7 +196,7 @@ impl Circuit {
             return Verdict::More;
         }
         if let Some(rate) = self.without_heading(candidate, &overlap) {
-            Laid { closure, overlap, .. } = self.laid(candidate, rate, tracker);
+            Laid { closure, overlap, looked, .. } = self.laid(candidate, rate, tracker);
         }
         let led = Led::by(&overlap);
         overlap.misclosure = overlap.misclosure.with(&candidate.wound, &closure);
@@ -201,6 +207,7 @@ impl Circuit {
         let candidate = &mut self.candidates[index];
         candidate.rate = closure.drift;
         candidate.overlap = driven + ON;
+        candidate.looked = looked;
         candidate.held = Some(Box::new(held));
         Verdict::More
     }
@@ -219,17 +226,25 @@ impl Circuit {
         let candidate = &self.candidates[index];
         let Some(held) = &candidate.held else { return Verdict::More };
         let (closure, beyond) = (held.closure, (driven - AS_ONE).max(0.0));
-        let (overlap, led) =
-            lead_on(&closure, &self.unwound(candidate.rate, tracker).1, beyond, held.led);
+        let (_, seen) = self.unwound(candidate.rate, tracker);
+        let (overlap, led) = lead_on(&closure, &seen, beyond, held.led);
+        let looked = Placed::last(&seen, led);
+        drop(seen);
         let far = driven > free_overlap(closure.length());
         let candidate = &mut self.candidates[index];
         candidate.overlap = driven + ON;
+        candidate.looked = looked;
         let Some(held) = &mut candidate.held else { return Verdict::More };
         if overlap.known >= EVIDENCE {
             if overlap.agreement < AGREEMENT_BEYOND || overlap.share < FREE_SHARE {
                 return candidate.lies_badly(driven);
             }
             candidate.unlike = None;
+            if led.is_off(held.led, SLID) {
+                // It is measured anew from where it lies now.
+                candidate.held = None;
+                return Verdict::More;
+            }
             held.led = led;
         }
         if far {
@@ -241,13 +256,32 @@ impl Circuit {
     /// Whether another candidate, with another drift, is as sure of another place than the one that would end
     /// the lap as `closure`: what is driven on tells which.
     pub(super) fn is_contested(&self, index: usize, closure: &Closure, tracker: &Tracker) -> bool {
-        let elsewhere = |other: &Candidate| {
-            let apart = (other.wound.1.travelled - closure.to.travelled).abs();
-            apart > ANOTHER_PLACE && (other.alike || other.held.is_some())
-        };
-        let others = self.candidates.iter().enumerate().filter(|(k, _)| *k != index);
         let driven = tracker.travelled() - closure.to.travelled;
-        driven < MOST_FREE_OVERLAP && others.map(|(_, other)| other).any(elsewhere)
+        let others = self.candidates.iter().enumerate().filter(|(k, _)| *k != index);
+        let sure = others.map(|(_, other)| other).filter(|c| c.alike || c.held.is_some());
+        let mut sure = sure.peekable();
+        if driven > MOST_FREE_OVERLAP || sure.peek().is_none() {
+            return false;
+        }
+        let here = self.lap_of(&self.candidates[index], tracker);
+        sure.any(|other| (self.lap_of(other, tracker) - here).abs() > ANOTHER_PLACE)
+    }
+
+    /// How long the lap is, metres by odometer, if the robot is where the candidate takes it to be: the same for
+    /// two that found one place at different crossings and with different drifts.
+    fn lap_of(&self, candidate: &Candidate, tracker: &Tracker) -> f64 {
+        let (from, to) = &candidate.wound;
+        let by_crossing = to.travelled - from.travelled;
+        let Some(looked) = candidate.looked else { return by_crossing };
+        let trail = self.trail.iter().filter(|place| place.travelled < to.travelled);
+        let unwound = (candidate.rate != 0.0).then(|| Unwound::new(tracker.path(), candidate.rate));
+        let first = trail.map(|place| unwound.as_ref().map_or(*place, |by| place.unwound(by)));
+        let there = looked.pose;
+        let is_there =
+            |place: &Anchor| angle::wrap(place.pose.heading - there.heading).abs() < SAME_WAY;
+        let off = |place: &Anchor| (place.pose.position - there.position).norm();
+        let nearest = first.filter(is_there).min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.map_or(by_crossing, |place| looked.travelled - place.travelled)
     }
 
     /// Where the last round of a lap began, when it closed on a later round only: all along that and

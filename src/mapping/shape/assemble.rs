@@ -32,7 +32,10 @@ pub(super) struct Vertex {
     pub(super) run: usize,
 }
 
-/// A loop at a crossing is no more than contacts out of order up to this length, metres.
+/// A loop at a crossing may be no more than contacts out of order up to this length, metres; a longer one is of
+/// something, however thin that is.
+const OUT_OF_ORDER: f64 = 0.3;
+/// A loop longer than this, metres, may be an island, and is turned over only where that is wanted.
 const LARGEST_LOOP: f64 = 1.0;
 
 /// Which loops an outline that crosses itself is freed of, beside those of up to a metre. They are of something
@@ -275,8 +278,9 @@ fn chords(ring: &Ring) -> (Vec<Point>, Vec<usize>) {
 }
 
 /// A simple polygon from one that still crosses itself. The shorter loop at each crossing goes, unless it
-/// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again. A loop
-/// of more than a metre goes like that where its two sides that cross are to be `turned`; none else.
+/// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again, and so is
+/// the end of a thin board whose faces noise has laid through each other. A loop of more than a metre goes like
+/// that where its two sides that cross are to be `turned`; none else.
 fn uncrossed(mut points: Vec<Point>, turned: impl Fn([(Point, Point); 2]) -> bool) -> Option<Ring> {
     // Contacts out of order make loops that enclose next to nothing.
     const THICK: f64 = 0.012;
@@ -285,24 +289,29 @@ fn uncrossed(mut points: Vec<Point>, turned: impl Fn([(Point, Point); 2]) -> boo
             let thin = thinned(&points, TOLERANCE);
             return (thin.len() >= 3).then(|| Ring::polygon(&thin));
         };
-        let length = |from: usize, to: usize| -> f64 {
-            (from..to)
-                .map(|n| (points[(n + 1) % points.len()] - points[n % points.len()]).norm())
-                .sum()
-        };
-        let inner = length(i + 1, k);
-        let outer = length(k + 1, points.len() + i);
-        let is_large = inner.min(outer) > LARGEST_LOOP;
         let side = |n: usize| (points[n], points[(n + 1) % points.len()]);
-        if is_large && !turned([side(i), side(k)]) {
+        let ((a, b), (c, d)) = (side(i), side(k));
+        let at = meeting(a, b, c, d).unwrap_or(b);
+        // From the crossing round to the crossing.
+        let length = |from: usize, to: usize| -> f64 {
+            let between = (from..to).map(|n| side(n % points.len()));
+            between.map(|(here, there)| (there - here).norm()).sum()
+        };
+        let inner = (b - at).norm() + length(i + 1, k) + (c - at).norm();
+        let outer = (d - at).norm() + length(k + 1, points.len() + i) + (a - at).norm();
+        let is_large = inner.min(outer) > LARGEST_LOOP;
+        if is_large && !turned([(a, b), (c, d)]) {
             return None;
         }
-        let looped: Vec<Point> = if inner <= outer {
+        let mut looped: Vec<Point> = if inner <= outer {
             points[i + 1..=k].to_vec()
         } else {
             points[k + 1..].iter().chain(&points[..=i]).copied().collect()
         };
-        if is_large || Ring::polygon(&looped).area().abs() > THICK * inner.min(outer) {
+        looped.push(at);
+        let of_something = inner.min(outer) > OUT_OF_ORDER
+            || Ring::polygon(&looped).area().abs() > THICK * inner.min(outer);
+        if is_large || of_something {
             points[i + 1..=k].reverse();
         } else if inner <= outer {
             points.drain(i + 1..=k);
@@ -366,6 +375,25 @@ mod tests {
         let mended = uncrossed(points, |_| true).expect("a room with a board");
         assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
         assert!((mended.area() - 11.97).abs() < 0.005, "{}", mended.area());
+    }
+
+    #[test]
+    fn the_end_of_a_thin_board_whose_faces_cross_stays_on_the_map() {
+        // A board of 0.8 m by 20 mm on the lower wall; for its last 0.4 m the faces have changed places.
+        let corners = [
+            (0.0, 0.0),
+            (1.99, 0.0),
+            (2.006, 0.8),
+            (1.994, 0.8),
+            (2.01, 0.0),
+            (4.0, 0.0),
+            (4.0, 3.0),
+            (0.0, 3.0),
+        ];
+        let points: Vec<Point> = corners.iter().map(|(x, y)| Point::new(*x, *y)).collect();
+        let mended = uncrossed(points, |_| false).expect("a room with a board");
+        assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
+        assert!(mended.distance(Point::new(2.0, 0.8)) < 0.01, "its end is lost");
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod astray;
 mod candidate;
 mod closure;
 mod crossing;
+mod way_out;
 
 pub use closure::{Anchor, Closure, Pocket};
 
@@ -26,6 +27,7 @@ use crate::geometry::{Point, Pose, Ring, angle, cross};
 use crate::robot::Chassis;
 use candidate::{Candidate, Verdict};
 use crossing::{Crossing, best};
+use way_out::WayOut;
 
 /// What comes next on a lap.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +75,9 @@ pub struct Circuit {
     squeezing: Option<f64>,
     /// The rounds that were driven in vain before that.
     pocket: Option<Pocket>,
+    /// Out of the pocket by the way that led into it, and how often that was done.
+    leaving: Option<WayOut>,
+    left: u32,
     /// It goes round something else than it began with, in the same room as here, or in a pocket of it.
     led_from: Option<Point>,
     /// How often the lap began anew.
@@ -98,6 +103,8 @@ impl Circuit {
             trail: Vec::new(),
             squeezing: None,
             pocket: None,
+            leaving: None,
+            left: 0,
             led_from: None,
             begun_anew: 0,
             within: None,
@@ -145,6 +152,9 @@ impl Circuit {
     /// The robot came to rest: what next?
     pub fn next(&mut self, tracker: &Tracker, rest: &AtRest) -> Leg {
         self.drifts.follow(tracker.pose(), tracker.active());
+        if let Some(ask) = self.leave(tracker, rest) {
+            return Leg::Go(ask);
+        }
         if self.follower.is_stepping() {
             self.after_step(tracker);
         }
@@ -164,6 +174,9 @@ impl Circuit {
         }
         if self.is_endless(tracker) {
             return Leg::Failed(Failure::LapEndless);
+        }
+        if let Some(ask) = self.leave(tracker, rest) {
+            return Leg::Go(ask);
         }
         match self.follower.next(&mut self.wall, rest) {
             Some(ask) => {

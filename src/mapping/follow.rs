@@ -191,6 +191,15 @@ impl Follower {
         self.rolling.radius = self.body + if on { SQUEEZED } else { self.gap };
     }
 
+    /// Begins anew where the robot is, in front of a gap between `one` and `other` that is closed to it.
+    pub fn resume(&mut self, (one, other): (Point, Point)) {
+        self.doing = Doing::Arrived;
+        self.ended = false;
+        self.stride = SHORTEST_STRIDE;
+        self.frontier = None;
+        self.held.bar(one, other);
+    }
+
     /// What is `known` to stand about and to be no part of the wall makes no gap that is refused.
     pub fn beside(&mut self, known: Vec<Ring>) {
         self.known = known;

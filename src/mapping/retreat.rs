@@ -54,6 +54,12 @@ impl Retreat {
         Some(Self { way, why: "went round a pocket: back by the way it came", begun: false })
     }
 
+    /// The way back by `way`, which led from its first place into a pocket.
+    pub(super) fn by(way: impl Iterator<Item = Point>) -> Self {
+        let way = straightened(way);
+        Self { way, why: "round and round in a pocket: back by the way it came", begun: false }
+    }
+
     /// The way back by `path` to the last place that `is_free`; none when the robot came by none, or was
     /// carried since.
     pub(super) fn to_free(path: &[PathPoint], is_free: impl Fn(Point) -> bool) -> Option<Self> {

@@ -2,9 +2,10 @@
 //! too narrow to be found again from the other side: it is in a pocket of which it knows no way out,
 //! or goes round a thing that it took for wall. The lap would never close as it began.
 
+use super::way_out::WayOut;
 use super::{Anchor, Circuit, Closure, Pocket};
 use crate::geometry::{Point, Ring, angle};
-use crate::mapping::follow::Side;
+use crate::mapping::follow::{Ask, AtRest, Side};
 use crate::mapping::odometry::Tracker;
 
 /// The same place again: nearer than this, metres ...
@@ -33,6 +34,10 @@ const ALIKE: usize = 2;
 const STRETCHED: f64 = 0.04;
 /// A lap begins anew no more often: where it began may be another place that it will leave.
 const MOST_BEGINNINGS: u32 = 3;
+/// Squeezing has not led out of it when the robot is still there after so many metres; by the way it came it
+/// leaves no more often than this.
+const SQUEEZED: f64 = 2.0;
+const MOST_LEFT: u32 = 3;
 /// It is out again when it has come to a new place after as many metres.
 const OUT: f64 = 0.5;
 /// A lap longer than this will not close any more, metres.
@@ -53,12 +58,20 @@ impl Circuit {
             self.follower.squeeze(false);
         } else if self.squeezing.is_none() && astray >= ASTRAY {
             self.squeezing = Some(now.travelled);
-            self.pocket = Some(Pocket::new(earliest, now.travelled));
+            self.pocket = Some(Pocket::after(self.pocket, earliest, now.travelled));
             self.follower.squeeze(true);
+        }
+        let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
+        let in_vain = self.squeezing.is_some_and(|since| now.travelled - since > SQUEEZED);
+        if in_vain && astray > 0 && round_a_thing == 0 && self.left < MOST_LEFT {
+            self.leaving = WayOut::of(&self.trail, earliest, self.wall.log().iter());
+            if self.leaving.is_some() {
+                return false;
+            }
         }
         let lost = astray >= LOST
             || visits(&self.trail, |_| true).0 >= IN_VAIN
-            || goes_round(&self.trail, self.follower.side(), away) >= ROUND_A_THING
+            || round_a_thing >= ROUND_A_THING
             || alike(&self.trail) >= ALIKE;
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
         if lost && self.begun_anew < MOST_BEGINNINGS {
@@ -67,6 +80,24 @@ impl Circuit {
             return false;
         }
         lost || too_long
+    }
+
+    /// The next motion out of a pocket by the way that led into it; none when it is not on that. Back before the
+    /// gap it follows on, past that.
+    pub(super) fn leave(&mut self, tracker: &Tracker, rest: &AtRest) -> Option<Ask> {
+        let leaving = self.leaving.as_mut()?;
+        if let Some(ask) = leaving.next(rest) {
+            return Some(ask);
+        }
+        let WayOut { gap, entered, .. } = self.leaving.take()?;
+        self.left += 1;
+        self.pocket = Some(Pocket::after(self.pocket, entered, tracker.travelled()));
+        self.squeezing = None;
+        self.follower.squeeze(false);
+        self.follower.resume(gap);
+        // What lies between is no step along the wall.
+        self.previous = None;
+        None
     }
 
     /// The robot left what it followed and goes round something else, of which there is no way back: from

@@ -9,6 +9,8 @@ use crate::mapping::odometry::Tracker;
 /// So much before it begins, and beyond its end, still is of a lap, metres.
 const BEFORE: f64 = 0.02;
 const BEYOND: f64 = 0.1;
+/// A pocket come into no farther than this after one was left is the same, metres.
+const AGAIN: f64 = 2.0;
 
 /// A place early in the lap at which it may close.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,8 +74,11 @@ pub struct Pocket {
 }
 
 impl Pocket {
-    pub(super) fn new(from: f64, to: f64) -> Self {
-        Self { from, to }
+    /// What was driven between these two readings of the odometer, metres; all since the pocket `before` where
+    /// that had only just been left, and is come into again.
+    pub(super) fn after(before: Option<Self>, from: f64, to: f64) -> Self {
+        let again = before.filter(|before| from - before.to < AGAIN);
+        Self { from: again.map_or(from, |before| before.from.min(from)), to }
     }
 
     /// Whether it was driven between these two readings of the odometer, metres.

@@ -2,9 +2,12 @@
 //! keep it going round the thing behind it for ever; a thing seen past from both sides of a gap; a post
 //! thinner than a beam is sure to meet; a wedge that holds the body on both sides; a board with no passage
 //! between it and the wall; a pocket that the robot slips into; an island off the end of a wall, by a gap
-//! that is seen whole from one side and not from the other; a thin post that only its neck joins to a wall.
+//! that is seen whole from one side and not from the other; a thin post that only its neck joins to a wall; a
+//! nook behind gaps that are a little wider than the body.
 
 mod common;
+#[path = "common/reported.rs"]
+mod reported;
 
 use periplus::geometry::{Point, Ring, ring};
 use periplus::mapping::map::Phase;
@@ -117,6 +120,34 @@ name = "post1"
 circle = { center = [1.142, 0.548], radius = 0.027 }
 "#;
 
+/// A nook behind a post and two boards, by gaps of 0.2 to 0.3 m, the board and the post this far to the right,
+/// metres; the lap begins at `start`.
+fn nook((board, post, other): (f64, f64, f64), start: &str) -> String {
+    let ring = |right: f64, up: f64, corners: &[(f64, f64)]| {
+        let corners: Vec<String> =
+            corners.iter().map(|(x, y)| format!("[{:.3}, {:.3}]", x + right, y + up)).collect();
+        format!("vertices = [{}]\n", corners.join(", "))
+    };
+    let things = [
+        ("post", ring(post, 0.95, &[(0.0, 0.01), (0.08, 0.0), (0.09, 0.08), (0.01, 0.09)])),
+        ("board", ring(board, 1.113, &[(0.0, 0.0), (0.05, 0.0), (0.05, 0.2), (0.0, 0.22)])),
+        ("other", ring(other, 0.62, &[(-0.16, 0.0), (0.0, 0.0), (0.0, 0.18), (-0.04, 0.21)])),
+    ];
+    let edge = board + 0.05;
+    let walls = [
+        (0.0, 0.0),
+        (2.0, 0.0),
+        (2.0, 2.0),
+        (edge, 2.0),
+        (edge, 1.442),
+        (edge - 0.1, 1.462),
+        (edge - 0.17, 1.562),
+        (0.0, 1.562),
+    ];
+    let things = things.map(|(name, ring)| format!("[[objects]]\nname = \"{name}\"\n{ring}"));
+    format!("start = {start}\n[boundary]\n{}{}", ring(0.0, 0.0, &walls), things.concat())
+}
+
 /// An island `gap` metres off the end of a wall, the robot starting at `start`.
 fn island(gap: f64, start: &str) -> String {
     let tip = 2.6 - gap;
@@ -216,4 +247,35 @@ fn an_island_gone_along_from_gap_to_gap_is_on_the_map() {
 #[test]
 fn a_thin_post_that_the_lap_went_round_is_on_the_map() {
     assert_eq!(wrong(POST_ON_A_NECK, &["post1"]), Vec::<String>::new());
+}
+
+/// What is reported of a nook: the area inside its outline, square metres, and the way there, metres.
+fn mapped_nook(things: (f64, f64, f64), heading: u32, noise: &str) -> (f64, f64) {
+    let text = nook(things, &format!("{{ x = 1.42, y = 0.4, heading = {heading} }}"));
+    reported::bounded(&text, noise, 1)
+}
+
+#[test]
+fn out_of_a_pocket_the_robot_goes_by_the_way_it_came() {
+    // Before, it went round in the nook until it was given up, after 35 m.
+    for (things, noise) in [((0.4, 0.12, 0.56), "none"), ((0.45, 0.135, 0.53), "calibrated")] {
+        let (area, way) = mapped_nook(things, 42, noise);
+        assert!((3.4..3.65).contains(&area), "{things:?} {noise}: {area} m2");
+        assert!(way < 22.0, "{things:?} {noise}: {way} m, and once round it is 9");
+    }
+}
+
+#[test]
+fn what_was_seen_from_the_mouth_of_a_gap_or_across_it_breaks_no_outline() {
+    let nooks = [
+        ((0.414, 0.12, 0.53), 42, "none"),
+        ((0.45, 0.15, 0.56), 72, "none"),
+        ((0.4, 0.12, 0.53), 250, "none"),
+        ((0.43, 0.12, 0.56), 250, "calibrated"),
+        ((0.45, 0.165, 0.53), 300, "calibrated"),
+    ];
+    for (things, heading, noise) in nooks {
+        let (area, way) = mapped_nook(things, heading, noise);
+        assert!((3.4..3.65).contains(&area), "{things:?} {noise}: {area} m2 after {way} m");
+    }
 }

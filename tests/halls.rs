@@ -3,6 +3,8 @@
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "common/reported.rs"]
+mod reported;
 
 use periplus::export::Outcome;
 use periplus::geometry::{Point, Ring, Vector, angle, cross, perp, rotate};
@@ -12,8 +14,6 @@ use periplus::mapping::settings::Settings;
 use periplus::robot::Intent;
 
 use periplus::simulator::{NoiseProfile, World};
-use std::ffi::OsStr;
-use std::process::Command;
 
 const HALL: &str = r#"
 name = "a long hall"
@@ -60,34 +60,12 @@ fn bearings_are_taken_in_the_middle_of_a_long_way_where_the_robot_is_unsure() {
     assert!(unsure < 3.0 * sure, "{unsure} m for a metre of line instead of {sure}");
 }
 
-/// What the program reports of the boundary of a `hall`, mapped by a robot with such `noise`: its area,
-/// square metres, and the way that it took, metres.
-fn bounded(hall: &str, noise: &str, seed: u64) -> (f64, f64) {
-    let run = format!("periplus-hall-{}-{noise}-{seed}", std::process::id());
-    let dir = std::env::temp_dir().join(run);
-    let _ = std::fs::remove_dir_all(&dir);
-    std::fs::create_dir_all(&dir).expect("a directory");
-    let (world, out) = (dir.join("hall.toml"), dir.join("run"));
-    std::fs::write(&world, hall).expect("a world");
-    let done = Command::new(env!("CARGO_BIN_EXE_periplus"))
-        .args(["run", "--noise", noise, "--until", "shape", "--seed", &seed.to_string()])
-        .args([OsStr::new("--world"), world.as_os_str(), OsStr::new("--out"), out.as_os_str()])
-        .output()
-        .expect("the program");
-    assert!(done.status.success(), "seed {seed}: {}", String::from_utf8_lossy(&done.stderr));
-    let report = std::fs::read_to_string(out.join("report.json")).expect("a report");
-    let _ = std::fs::remove_dir_all(&dir);
-    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
-    let figure = |of: &serde_json::Value| of.as_f64().expect("a figure");
-    (figure(&report["boundary"]["area_m2"]), figure(&report["phases"][0]["travel_m"]))
-}
-
 #[test]
 fn a_hall_that_drift_winds_up_closes_on_the_place_it_began_at() {
     // Robots that went round it for kilometres, or whose map was of a part of it: what they drove beyond the
     // end of the lap lay badly on its beginning for a moment, or its rounds were taken for those of a pocket.
     for seed in [34, 40, 60, 110, 116] {
-        let (area, way) = bounded(HALL, "harsh", seed);
+        let (area, way) = reported::bounded(HALL, "harsh", seed);
         assert!((area / 180.0 - 1.0).abs() < 0.05, "seed {seed}: {area} m2 instead of 180");
         assert!(way < 200.0, "seed {seed}: {way} m, and once round it is 72");
     }
@@ -135,7 +113,7 @@ fn a_lap_whose_walls_run_in_steps_closes_at_once_and_on_the_right_step() {
     );
     let area = Ring::polygon(&outline).area();
     for seed in [1, 5, 7, 8] {
-        let (mapped, way) = bounded(&room, "calibrated", seed);
+        let (mapped, way) = reported::bounded(&room, "calibrated", seed);
         assert!((mapped / area - 1.0).abs() < 0.03, "seed {seed}: {mapped} m2 instead of {area}");
         assert!(way < 35.0, "seed {seed}: {way} m, and once round it is 25");
     }

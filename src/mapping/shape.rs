@@ -20,6 +20,7 @@ mod rectangle;
 mod round;
 mod segment;
 mod split;
+mod spur;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
@@ -31,11 +32,14 @@ pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed, lost};
 pub use neck::{islands, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
+pub use spur::without_spurs;
 
+use self::chord::{Floor, SHORTEST, is_chord};
 use self::corner::Judge;
 use super::event::Failure;
 use super::map::{Contact, ContactKind};
-use crate::geometry::{Point, Ring};
+use crate::geometry::segment::Segment;
+use crate::geometry::{Piece, Point, Ring};
 
 /// Bumper touches are good to this, metres.
 const TOUCH_SIGMA: f64 = 0.004;
@@ -45,6 +49,8 @@ const LEAST_SIGMA: f64 = 0.0004;
 const MOST_SIGMA: f64 = 0.004;
 /// This share of the contacts was made from within the outline, at least.
 const WITHIN: f64 = 0.95;
+/// A chord across a gap that the robot does not pass is no longer than so many times its reach.
+const WIDEST_MOUTH: f64 = 3.0;
 /// Neighbours nearer than this are one contact, metres.
 const TOGETHER: f64 = 0.002;
 
@@ -82,12 +88,33 @@ pub fn outline(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Res
 }
 
 /// Whether the robot was within `ring` when it made the `contacts`, but for those in pockets that the
-/// outline leaves out: a lap that has laid two walls through each other can be untangled into a simple
-/// outline of another room.
+/// outline leaves out, and those in the mouths of gaps too narrow to pass, across which it runs, and out of which
+/// the robot came again: a lap that has laid two walls through each other can be untangled into a simple outline
+/// of another room.
 fn holds(ring: &Ring, contacts: &[Contact], reach: f64) -> bool {
     let outlined = order::along_wall(contacts, reach);
-    let within = outlined.iter().filter(|contact| ring.contains(contact.from)).count();
-    within as f64 >= WITHIN * outlined.len() as f64
+    let touched: Vec<(Point, Point)> = outlined.iter().map(|c| (c.point, c.from)).collect();
+    let gaps = SHORTEST..WIDEST_MOUTH * reach;
+    let way: Vec<Segment> = legs(contacts).collect();
+    let came_out = |piece: &Piece| {
+        let across = Segment::new(piece.from(), piece.to());
+        way.iter().filter(|leg| across.crosses(leg)).count() % 2 == 0
+    };
+    let in_mouth = |p: Point| {
+        ring.nearest(p).is_some_and(|foot| {
+            let piece = &ring.pieces[foot.piece];
+            foot.distance < reach
+                && is_chord(piece, Floor::Inside, &touched, &gaps)
+                && came_out(piece)
+        })
+    };
+    let held = |contact: &&Contact| ring.contains(contact.from) || in_mouth(contact.from);
+    outlined.iter().filter(held).count() as f64 >= WITHIN * outlined.len() as f64
+}
+
+/// The way between the places from which `contacts`, in time order, were made.
+fn legs(contacts: &[Contact]) -> impl Iterator<Item = Segment> + use<'_> {
+    contacts.windows(2).map(|two| Segment::new(two[0].from, two[1].from))
 }
 
 /// The same without a fit: the contacts themselves, joined in order and untangled.

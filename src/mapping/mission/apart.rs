@@ -58,7 +58,7 @@ impl Mission {
         better.unwrap_or(rest)
     }
 
-    fn stands_apart(&mut self, thing: Thing, out: &mut Vec<Output>) {
+    pub(super) fn stands_apart(&mut self, thing: Thing, out: &mut Vec<Output>) {
         let id = self.map.next_id();
         self.map.objects.push(thing.numbered(id));
         self.tell(EventKind::ObjectApart { id }, out);

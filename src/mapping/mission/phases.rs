@@ -222,13 +222,21 @@ impl Mission {
     }
 
     pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
+        let reach = self.settings.chassis.reach();
         let mut fitted = self.straight_outline();
         if !self.is_sound(&fitted) && self.take_out_enclosed(out) {
             fitted = self.straight_outline();
         }
+        let mut across = Vec::new();
+        if !self.is_sound(&fitted)
+            && let Some((kept, spurs)) = shape::without_spurs(&self.map.contacts, reach)
+        {
+            (self.map.contacts, across) = (kept, spurs);
+            fitted = self.straight_outline();
+        }
         if !self.is_sound(&fitted) {
             // Of contacts in a wrong order a fit may keep no more than a loop.
-            fitted = shape::joined(&self.map.contacts, self.settings.chassis.reach());
+            fitted = shape::joined(&self.map.contacts, reach);
         }
         let outline = match fitted.map(|outline| self.lay_tape(outline, out)) {
             Ok(outline) => outline,
@@ -236,6 +244,10 @@ impl Mission {
         };
         if !self.encloses_the_lap(&outline) {
             return self.fail(Failure::OutlineBroken, out);
+        }
+        // What was seen across a passage stands there, where it was gone round.
+        for thing in shape::lost(&across, &outline).1 {
+            self.stands_apart(thing, out);
         }
         let outline = self.set_apart(outline, out);
         let shape = shape::identify(outline, &self.map.contacts);

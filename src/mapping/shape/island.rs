@@ -93,12 +93,7 @@ pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) 
         groups = others;
         groups.push(joined.into_iter().flatten().chain([k]).collect());
     }
-    groups.retain(|group| {
-        let sum = group.iter().map(|&k| contacts[k].point.coords).sum::<Vector>();
-        let middle = sum / group.len() as f64;
-        let bearings = group.iter().map(|&k| angle::of(contacts[k].from.coords - middle)).collect();
-        group.len() >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND
-    });
+    groups.retain(|group| is_gone_round(group.iter().map(|&k| &contacts[k])));
     let mut things = Vec::new();
     groups.retain_mut(|group| {
         // In the order in which they were made.
@@ -112,6 +107,14 @@ pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) 
     let is_kept = |k: &usize| groups.iter().all(|group| group.binary_search(k).is_err());
     let kept = (0..contacts.len()).filter(is_kept).map(|k| contacts[k]).collect();
     (kept, things)
+}
+
+/// Whether `contacts` enough to draw something were made of it from all around.
+pub(super) fn is_gone_round<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone) -> bool {
+    let count = contacts.clone().count();
+    let middle = contacts.clone().map(|c| c.point.coords).sum::<Vector>() / count.max(1) as f64;
+    let bearings = contacts.map(|c| angle::of(c.from.coords - middle)).collect();
+    count >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND
 }
 
 #[cfg(test)]

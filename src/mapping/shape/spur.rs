@@ -1,0 +1,79 @@
+//! Spurs: what was seen across a passage on the other hand than the wall that is followed. In the order along the
+//! wall it comes between two contacts of this side, and the outline would run across the passage to it and back,
+//! over floor that the robot drove on. Takes contacts in time order; knows nothing of lines and arcs.
+
+use super::island::is_gone_round;
+use super::order;
+use crate::geometry::segment::Segment;
+use crate::mapping::map::{Contact, ContactKind};
+
+/// A spur has no more than this share of all contacts, or was gone round: a part of the room with more is none.
+const LARGEST: f64 = 0.1;
+
+/// The `contacts` that are of no spur, and those of spurs, of a robot whose switches reach `reach` metres from its
+/// centre; none when there is no spur.
+#[must_use]
+pub fn without_spurs(contacts: &[Contact], reach: f64) -> Option<(Vec<Contact>, Vec<Contact>)> {
+    let surface = |c: &&Contact| c.kind != ContactKind::Edge;
+    let ordered: Vec<Contact> =
+        order::along_wall(contacts, reach).iter().filter(surface).copied().collect();
+    let count = ordered.len();
+    let way: Vec<Segment> = super::legs(contacts).collect();
+    let driven_over = |k: &usize| {
+        let side = Segment::new(ordered[*k].point, ordered[(k + 1) % count].point);
+        way.iter().any(|leg| side.crosses(leg))
+    };
+    let crossed: Vec<usize> = (0..count).filter(driven_over).collect();
+    let runs = crossed.iter().enumerate().map(|(n, &before)| {
+        let next = crossed[(n + 1) % crossed.len()];
+        // From behind one crossed side to before the next, round the end of the list.
+        let length = (next + count - before - 1) % count + 1;
+        (before + 1..=before + length).map(|k| ordered[k % count]).collect::<Vec<Contact>>()
+    });
+    let most = (LARGEST * count as f64) as usize;
+    let is_spur = |run: &Vec<Contact>| {
+        run.len() <= most || (2 * run.len() < count && is_gone_round(run.iter()))
+    };
+    let spurs: Vec<Contact> = runs.filter(is_spur).flatten().collect();
+    let (apart, kept): (Vec<Contact>, Vec<Contact>) =
+        contacts.iter().partition(|contact| spurs.contains(contact));
+    (!apart.is_empty()).then_some((kept, apart))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::along;
+    use super::*;
+    use crate::geometry::Point;
+    use crate::mapping::shape::{Loops, outline};
+
+    /// Along the walls of a room of 4 x 3 m, in which a thing stands 0.3 m off the lower wall at x = 2; seen from
+    /// the passage between them where that is `seen`.
+    fn room(seen: bool) -> Vec<Contact> {
+        let corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)];
+        let mut contacts = along(&corners, 1.0);
+        let at = contacts.iter().position(|c| c.point.x > 2.0).expect("a wall");
+        let across = Contact { point: Point::new(2.0, 0.3), ..contacts[at] };
+        let beside = Contact { point: Point::new(2.02, 0.3), ..contacts[at] };
+        if seen {
+            contacts.splice(at..at, [across, beside]);
+        }
+        contacts
+    }
+
+    #[test]
+    fn what_was_seen_across_a_passage_is_left_out() {
+        let contacts = room(true);
+        let (kept, across) = without_spurs(&contacts, 0.16).expect("a spur");
+        assert_eq!((kept.len() + 2, across.len()), (contacts.len(), 2));
+        assert!(kept.iter().all(|c| c.point.y != 0.3));
+        let outline = outline(&kept, 0.16, 0.0, Loops::Touched).expect("a room");
+        assert!((outline.area() - 12.0).abs() < 0.05, "{}", outline.area());
+    }
+
+    #[test]
+    fn a_room_without_a_passage_has_no_spur() {
+        assert_eq!(without_spurs(&room(false), 0.16), None);
+        assert_eq!(without_spurs(&[], 0.16), None);
+    }
+}

@@ -63,7 +63,8 @@ impl Circuit {
         }
         let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
         let in_vain = self.squeezing.is_some_and(|since| now.travelled - since > SQUEEZED);
-        if in_vain && astray > 0 && round_a_thing == 0 && self.left < MOST_LEFT {
+        let in_pocket = astray >= LOST || (in_vain && astray > 0);
+        if in_pocket && round_a_thing == 0 && self.left < MOST_LEFT {
             self.leaving = WayOut::of(&self.trail, earliest, self.wall.log().iter());
             if self.leaving.is_some() {
                 return false;

@@ -191,13 +191,15 @@ impl Follower {
         self.rolling.radius = self.body + if on { SQUEEZED } else { self.gap };
     }
 
-    /// Begins anew where the robot is, in front of a gap between `one` and `other` that is closed to it.
-    pub fn resume(&mut self, (one, other): (Point, Point)) {
+    /// Begins anew where the robot is, in front of a `gap` between two points, if any, that is closed to it.
+    pub fn resume(&mut self, gap: Option<(Point, Point)>) {
         self.doing = Doing::Arrived;
         self.ended = false;
         self.stride = SHORTEST_STRIDE;
         self.frontier = None;
-        self.held.bar(one, other);
+        if let Some((one, other)) = gap {
+            self.held.bar(one, other);
+        }
     }
 
     /// What is `known` to stand about and to be no part of the wall makes no gap that is refused.

@@ -38,6 +38,8 @@ const MOST_BEGINNINGS: u32 = 3;
 /// leaves no more often than this.
 const SQUEEZED: f64 = 2.0;
 const MOST_LEFT: u32 = 3;
+/// A pocket near the beginning of a lap is told by its rounds, which are no longer than this, metres.
+const SHORT_ROUND: f64 = 2.5;
 /// It is out again when it has come to a new place after as many metres.
 const OUT: f64 = 0.5;
 /// A lap longer than this will not close any more, metres.
@@ -63,15 +65,20 @@ impl Circuit {
         }
         let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
         let in_vain = self.squeezing.is_some_and(|since| now.travelled - since > SQUEEZED);
-        let in_pocket = astray >= LOST || (in_vain && astray > 0);
+        // Near its beginning a lap may close; but not one that goes round and round a few metres.
+        let (rounds, first_time) = visits(&self.trail, |_| true);
+        let whirls =
+            rounds >= LOST && now.travelled - first_time < SHORT_ROUND * f64::from(rounds as u32);
+        let in_pocket = whirls || astray >= LOST || (in_vain && astray > 0);
         if in_pocket && round_a_thing == 0 && self.left < MOST_LEFT {
+            let earliest = if whirls { first_time } else { earliest };
             self.leaving = WayOut::of(&self.trail, earliest, self.wall.log().iter());
             if self.leaving.is_some() {
                 return false;
             }
         }
         let lost = astray >= LOST
-            || visits(&self.trail, |_| true).0 >= IN_VAIN
+            || rounds >= IN_VAIN
             || round_a_thing >= ROUND_A_THING
             || alike(&self.trail) >= ALIKE;
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
@@ -90,12 +97,12 @@ impl Circuit {
         if let Some(ask) = leaving.next(rest) {
             return Some(ask);
         }
-        let WayOut { gap, entered, .. } = self.leaving.take()?;
+        let way = self.leaving.take()?;
         self.left += 1;
-        self.pocket = Some(Pocket::after(self.pocket, entered, tracker.travelled()));
+        self.pocket = Some(Pocket::after(self.pocket, way.entered, tracker.travelled()));
         self.squeezing = None;
         self.follower.squeeze(false);
-        self.follower.resume(gap);
+        self.follower.resume(way.closes(rest));
         // What lies between is no step along the wall.
         self.previous = None;
         None

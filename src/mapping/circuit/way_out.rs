@@ -25,10 +25,10 @@ const FACING: f64 = 0.01;
 #[derive(Debug, Clone)]
 pub(super) struct WayOut {
     retreat: Retreat,
-    /// How it faced where it is going to, radians.
-    heading: f64,
+    /// Where it is going to, as it stood there before.
+    out: Pose,
     /// The two sides of the gap.
-    pub(super) gap: (Point, Point),
+    gap: (Point, Point),
     /// Odometer where the way in left what was gone along before, metres.
     pub(super) entered: f64,
 }
@@ -57,7 +57,7 @@ impl WayOut {
         let gap = narrowest(&through, seen)?;
         Some(Self {
             retreat: Retreat::by(way),
-            heading: before[out].pose.heading,
+            out: before[out].pose,
             gap,
             entered: before[out].travelled,
         })
@@ -66,11 +66,22 @@ impl WayOut {
     /// The next motion on the way out; none when it is at its end, or something is in the way.
     pub(super) fn next(&mut self, rest: &AtRest) -> Option<Ask> {
         self.retreat.next(rest).or_else(|| {
-            let turn = angle::wrap(self.heading - rest.pose.heading);
+            let turn = angle::wrap(self.out.heading - rest.pose.heading);
             let motion = Motion::Turn { angle: turn, rate: f64::INFINITY };
             let why = "out of the pocket: facing along the wall again";
-            (turn.abs() > FACING).then(|| Ask { motion, guard: Guard::default(), why })
+            let is_out = self.is_out(rest) && turn.abs() > FACING;
+            is_out.then(|| Ask { motion, guard: Guard::default(), why })
         })
+    }
+
+    /// Whether the robot is where it was going to: something may have been in the way.
+    fn is_out(&self, rest: &AtRest) -> bool {
+        (rest.pose.position - self.out.position).norm() < OF_ROUND
+    }
+
+    /// The gap that is closed from now on: none while the robot is behind it.
+    pub(super) fn closes(&self, rest: &AtRest) -> Option<(Point, Point)> {
+        self.is_out(rest).then_some(self.gap)
     }
 }
 
@@ -139,12 +150,14 @@ mod tests {
     fn it_leads_back_before_the_gap_and_says_which_that_is() {
         let walls = [seen(0.7, 0.13), seen(0.7, -0.14), seen(1.0, 0.18), seen(0.3, 0.14)];
         let mut out = WayOut::of(&trail(), 1.0, walls.iter()).expect("a way");
-        let (one, other) = out.gap;
+        let rest =
+            |pose: Pose| AtRest { pose, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
+        let at = |x: f64| rest(Pose::new(x, 0.0, 0.0));
+        assert_eq!(out.closes(&at(0.9)), None, "it is behind it");
+        let (one, other) = out.closes(&at(0.45)).expect("a gap");
         assert_eq!((one.y.max(other.y), one.y.min(other.y)), (0.13, -0.14));
         let entered = out.entered;
         assert!((0.2..0.6).contains(&entered), "{entered} m");
-        let rest =
-            |pose: Pose| AtRest { pose, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
         let asked = |out: &mut WayOut, pose| out.next(&rest(pose)).map(|ask| ask.motion);
         let first = asked(&mut out, Pose::new(1.0, 0.0, angle::PI));
         assert!(matches!(first, Some(Motion::Move { .. })), "{first:?}");

@@ -69,6 +69,10 @@ fn a_hall_that_drift_winds_up_closes_on_the_place_it_began_at() {
         assert!((area / 180.0 - 1.0).abs() < 0.05, "seed {seed}: {area} m2 instead of 180");
         assert!(way < 200.0, "seed {seed}: {way} m, and once round it is 72");
     }
+    // Rounds of the hall that come by one place again and again are no pocket to be left.
+    let (area, way) = reported::bounded(HALL, "harsh", 41);
+    assert!((area / 180.0 - 1.0).abs() < 0.05, "{area} m2 instead of 180");
+    assert!(way < 500.0, "{way} m");
 }
 
 /// A room of 6 x 5 m whose walls, turned by 27 degrees, run in steps of 5 cm, as those of a map drawn in squares

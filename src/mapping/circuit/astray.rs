@@ -38,7 +38,7 @@ const MOST_BEGINNINGS: u32 = 3;
 /// leaves no more often than this.
 const SQUEEZED: f64 = 2.0;
 const MOST_LEFT: u32 = 3;
-/// A pocket near the beginning of a lap is told by its rounds, which are no longer than this, metres.
+/// The rounds in a pocket are no longer than this, metres.
 const SHORT_ROUND: f64 = 2.5;
 /// It is out again when it has come to a new place after as many metres.
 const OUT: f64 = 0.5;
@@ -65,11 +65,15 @@ impl Circuit {
         }
         let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
         let in_vain = self.squeezing.is_some_and(|since| now.travelled - since > SQUEEZED);
-        // Near its beginning a lap may close; but not one that goes round and round a few metres.
+        // Near its beginning a lap may close; but not one that goes round and round a few metres. Long rounds are of
+        // the whole lap, led astray by drift.
         let (rounds, first_time) = visits(&self.trail, |_| true);
-        let whirls =
-            rounds >= LOST && now.travelled - first_time < SHORT_ROUND * f64::from(rounds as u32);
-        let in_pocket = whirls || astray >= LOST || (in_vain && astray > 0);
+        let is_short = |rounds: usize, since: f64| {
+            now.travelled - since < SHORT_ROUND * f64::from(rounds as u32)
+        };
+        let whirls = rounds >= LOST && is_short(rounds, first_time);
+        let is_lost = astray >= LOST || (in_vain && astray > 0);
+        let in_pocket = whirls || (is_lost && is_short(astray, earliest));
         if in_pocket && round_a_thing == 0 && self.left < MOST_LEFT {
             let earliest = if whirls { first_time } else { earliest };
             self.leaving = WayOut::of(&self.trail, earliest, self.wall.log().iter());

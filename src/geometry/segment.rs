@@ -63,6 +63,7 @@ impl Segment {
     }
 
     /// Whether the two properly cross; touching ends are left to the distances.
+    #[must_use]
     pub fn crosses(&self, other: &Self) -> bool {
         let a = cross(self.along, other.from - self.from);
         let b = cross(self.along, other.to() - self.from);

@@ -311,7 +311,7 @@ fn uncrossed(mut points: Vec<Point>, turned: impl Fn([(Point, Point); 2]) -> boo
         looped.push(at);
         let of_something = inner.min(outer) > OUT_OF_ORDER
             || Ring::polygon(&looped).area().abs() > THICK * inner.min(outer);
-        if is_large || of_something {
+        if of_something {
             points[i + 1..=k].reverse();
         } else if inner <= outer {
             points.drain(i + 1..=k);

@@ -2,8 +2,9 @@
 //! order, untangled and thinned. Nothing is drawn that was not touched.
 
 use super::order;
+use crate::geometry::segment::Segment;
 use crate::geometry::simple::crossings;
-use crate::geometry::{Point, Ring, cross};
+use crate::geometry::{Point, Ring};
 use crate::mapping::map::{Contact, ContactKind};
 use std::collections::BTreeSet;
 
@@ -51,10 +52,10 @@ fn untangle(points: &mut [Point]) -> bool {
 
 fn first_crossing(points: &[Point]) -> Option<(usize, usize)> {
     let count = points.len();
-    let side = |k: usize| (points[k], points[(k + 1) % count]);
+    let side = |k: usize| Segment::new(points[k], points[(k + 1) % count]);
     let mut order: Vec<usize> = (0..count).collect();
-    let low = |k: usize| side(k).0.x.min(side(k).1.x);
-    let high = |k: usize| side(k).0.x.max(side(k).1.x);
+    let low = |k: usize| points[k].x.min(points[(k + 1) % count].x);
+    let high = |k: usize| points[k].x.max(points[(k + 1) % count].x);
     order.sort_by(|&a, &b| low(a).total_cmp(&low(b)));
     let mut active: Vec<usize> = Vec::new();
     for &k in &order {
@@ -62,19 +63,13 @@ fn first_crossing(points: &[Point]) -> Option<(usize, usize)> {
         for &j in &active {
             let (a, b) = (j.min(k), j.max(k));
             let neighbours = b - a <= 1 || (a == 0 && b == count - 1);
-            if !neighbours && cross_each_other(side(a), side(b)) {
+            if !neighbours && side(a).crosses(&side(b)) {
                 return Some((a, b));
             }
         }
         active.push(k);
     }
     None
-}
-
-fn cross_each_other(p: (Point, Point), q: (Point, Point)) -> bool {
-    let left = |a: Point, b: Point, c: Point| cross(b - a, c - a);
-    left(q.0, q.1, p.0) * left(q.0, q.1, p.1) < 0.0
-        && left(p.0, p.1, q.0) * left(p.0, p.1, q.1) < 0.0
 }
 
 /// Thinned by Douglas and Peucker's rule to within `tolerance` (metres), from two corners far apart,

@@ -11,9 +11,9 @@
 //! 3. `mapping`: the core, without I/O or clock. `map` is what is known, as plain data, and what it owes of
 //!    its promise; `mission` is the run as one state machine;
 //!    `odometry` and `survey` (where the robot and the walls are, and how surely); `search` (III.C)
-//!    with `follow`, `ahead`, `wall`, `circuit` (with `drift`, the gyro's, and `lay`, one look laid on
-//!    another) and `adjust`; `retreat`, back by the way it came; `retrace`, a lap more that is averaged
-//!    in, and `calibration`, what that tells of wheels and gyro; `shape` (III.D), and `smooth`, which lets
+//!    with `follow`, `ahead`, `wall`, `circuit` (with `drift`, the gyro's, `lay`, one look laid on another,
+//!    and `retreat`, back by the way it came) and `adjust`; `retrace`, a lap more that is averaged in,
+//!    and `calibration`, what that tells of wheels and gyro; `shape` (III.D), and `smooth`, which lets
 //!    its straight walls straighten the lap; `tape`, a length that was measured in the room; `square`,
 //!    right angles made right; `plan` (III.E) on `floor`; `tour` (III.F) on the `chart` of what is
 //!    mapped; `network`, all observations adjusted at once when the tour is over; `relocate`, how a robot that

@@ -1,10 +1,10 @@
 //! Back by the way it came, which is known to be free. Driving straight, the robot may slip through a gap
 //! that it would not enter along a wall: the lap then closes round the inside of a pocket, and that is
-//! not the room, since the robot was outside before. Or what is mapped leaves it no way out of where
-//! it stands, and it stands there all the same. Knows the way, and nothing of what is about it.
+//! not the room, since the robot was outside before. Or the lap came into a pocket and finds no way out along
+//! its walls; or what is mapped leaves it no way out of where it stands, and it stands there all the same. Knows
+//! the way, and nothing of what is about it.
 
 use crate::geometry::{Point, Ring, angle, cross};
-use crate::mapping::circuit::Closure;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
 use crate::mapping::map::PathPoint;
 use crate::robot::{DoneReason, Guard, Motion};
@@ -32,18 +32,19 @@ pub(super) struct Retreat {
 
 impl Retreat {
     /// The way back from a lap that closed round its inside, by `path`, to where the robot was at
-    /// `begun_us` (robot time); none when that is within the lap, which then is of the room.
+    /// `begun_us` (robot time); none when that is within the lap, which then is of the room. The lap was driven
+    /// between the two times of `lap_us`.
     pub(super) fn from_pocket(
         path: &[PathPoint],
         begun_us: u64,
-        closure: &Closure,
+        lap_us: (u64, u64),
     ) -> Option<Self> {
         let between = |from: u64, to: u64| {
             let first = path.partition_point(|point| point.time_us < from);
             let end = path.partition_point(|point| point.time_us <= to);
             path[first..end.max(first)].iter().map(|point| point.pose.position)
         };
-        let (from, to) = (closure.from.time_us, closure.to.time_us);
+        let (from, to) = lap_us;
         let begun = between(begun_us, from).next()?;
         let round = Ring::polygon(&straightened(between(from, to)));
         if round.contains(begun) || round.distance(begun) < OUTSIDE {

@@ -241,7 +241,8 @@ impl Search {
         if self.pockets == MOST_POCKETS {
             return None;
         }
-        let retreat = Retreat::from_pocket(tracker.path(), self.line_begun_us, closure)?;
+        let lap = (closure.from.time_us, closure.to.time_us);
+        let retreat = Retreat::from_pocket(tracker.path(), self.line_begun_us, lap)?;
         self.pockets += 1;
         Some(retreat)
     }

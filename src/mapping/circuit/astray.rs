@@ -64,19 +64,11 @@ impl Circuit {
             self.follower.squeeze(true);
         }
         let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
-        let in_vain = self.squeezing.is_some_and(|since| now.travelled - since > SQUEEZED);
-        // Near its beginning a lap may close; but not one that goes round and round a few metres. Long rounds are of
-        // the whole lap, led astray by drift.
         let (rounds, first_time) = visits(&self.trail, |_| true);
-        let is_short = |rounds: usize, since: f64| {
-            now.travelled - since < SHORT_ROUND * f64::from(rounds as u32)
-        };
-        let whirls = rounds >= LOST && is_short(rounds, first_time);
-        let is_lost = astray >= LOST || (in_vain && astray > 0);
-        let in_pocket = whirls || (is_lost && is_short(astray, earliest));
-        if in_pocket && round_a_thing == 0 && self.left < MOST_LEFT {
-            let earliest = if whirls { first_time } else { earliest };
-            self.leaving = WayOut::of(&self.trail, earliest, self.wall.log().iter());
+        if round_a_thing == 0 && self.left < MOST_LEFT {
+            let since = self.in_pocket(now.travelled, (astray, earliest), (rounds, first_time));
+            let seen = self.wall.log().iter();
+            self.leaving = since.and_then(|since| WayOut::of(&self.trail, since, seen));
             if self.leaving.is_some() {
                 return false;
             }
@@ -92,6 +84,21 @@ impl Circuit {
             return false;
         }
         lost || too_long
+    }
+
+    /// Since which reading of the odometer, metres, a robot that has `travelled` so far goes round and round in a
+    /// pocket that only its own way leads out of; none when it does not. It was here so many times, and when first:
+    /// away from the beginning of the lap, and in `all`.
+    fn in_pocket(&self, travelled: f64, away: (usize, f64), all: (usize, f64)) -> Option<f64> {
+        // Long rounds are of the whole lap, led astray by drift.
+        let is_short = |(rounds, first): (usize, f64)| {
+            travelled - first < SHORT_ROUND * f64::from(rounds as u32)
+        };
+        let in_vain = self.squeezing.is_some_and(|since| travelled - since > SQUEEZED);
+        let is_lost = away.0 >= LOST || (in_vain && away.0 > 0);
+        // Near its beginning a lap may close; but not one that goes round and round a few metres.
+        let whirls = all.0 >= LOST && is_short(all);
+        whirls.then_some(all.1).or_else(|| (is_lost && is_short(away)).then_some(away.1))
     }
 
     /// The next motion out of a pocket by the way that led into it; none when it is not on that. Back before the

@@ -1,5 +1,5 @@
-//! What a closed lap is: the two anchors that are one place, and the drift that had to be taken out for
-//! them to meet.
+//! What a closed lap is: the two anchors that are one place, the drift that had to be taken out for them to
+//! meet, and what of it was driven in a pocket. How that was found out is not known here.
 
 use crate::geometry::Pose;
 use crate::mapping::drift::Unwound;

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::follow::clearance;
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine};
 use crate::mapping::settings::Strategy;
-use crate::mapping::unreached::Unreached;
+use crate::mapping::unreached::{Beyond, Unreached};
 use serde_json::{Map, Value, json};
 
 /// The record as the text of a GeoJSON file, one feature a line.
@@ -29,6 +29,7 @@ fn features(record: &RunRecord<'_>) -> Vec<Value> {
     let radius = record.settings.chassis.radius;
     all.extend(record.map.objects.iter().flat_map(|thing| object(thing, radius)));
     all.extend(record.map.unreached.iter().map(gap));
+    all.extend(record.map.beyond.iter().filter_map(beyond));
     if let Some(squared) = &record.map.squared {
         let mapped = squared.before.to_points(super::SAGITTA);
         all.extend(open("boundary_mapped", &mapped, json!({})));
@@ -95,6 +96,13 @@ fn gap(unreached: &Unreached) -> Value {
     let area = unreached.area.map(|area| rounded(area, 2));
     let more = json!({ "width": rounded(unreached.width, 3), "area_behind": area });
     feature("gap", "Point", json!(position(unreached.at)), more)
+}
+
+/// What is round floor behind a strait, which is no part of the map.
+fn beyond(beyond: &Beyond) -> Option<Value> {
+    let ring = closed_positions(&beyond.outline)?;
+    let area = rounded(beyond.outline.area(), 2);
+    Some(feature("beyond", "Polygon", json!([ring]), json!({ "area": area })))
 }
 
 /// A line through points that do not close; none for fewer than two.

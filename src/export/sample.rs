@@ -95,6 +95,7 @@ pub(crate) fn room() -> Sample {
             objects: vec![0.0075; 3],
         }),
         unreached: Vec::new(),
+        beyond: Vec::new(),
         calibration: None,
         laps: 1,
         squared: None,

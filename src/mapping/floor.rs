@@ -5,6 +5,7 @@
 mod corner;
 mod coverage;
 mod hidden;
+mod pocket;
 mod reach;
 mod route;
 
@@ -14,6 +15,7 @@ pub(crate) mod rooms;
 pub use coverage::Coverage;
 pub use hidden::HiddenDisc;
 pub(in crate::mapping) use hidden::Unswept;
+pub(in crate::mapping) use pocket::Narrow;
 pub(in crate::mapping) use reach::{SPARE, component};
 
 use crate::geometry::index::SegmentIndex;
@@ -46,6 +48,8 @@ pub struct Floor {
     pub(crate) reach: f64,
     /// Half of the narrowest gap that the robot is sent through, metres.
     pub(crate) half_gap: f64,
+    /// The same between walls: half of the narrowest place at which the map does not end, metres.
+    pub(crate) half_strait: f64,
     walls: SegmentIndex,
     objects: SegmentIndex,
     /// Distance to the boundary, metres; negative outside.
@@ -79,6 +83,7 @@ impl Floor {
             radius: chassis.radius,
             reach: chassis.reach(),
             half_gap: chassis.passable_gap() / 2.0,
+            half_strait: chassis.strait() / 2.0,
             walls: SegmentIndex::new(wall_chords, BUCKET),
             objects: SegmentIndex::new(object_chords, BUCKET),
             wall,

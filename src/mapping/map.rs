@@ -11,7 +11,7 @@ use super::settings::Strategy;
 use super::square::{Squared, square};
 use super::tape::Taped;
 use super::trust::Doubted;
-use super::unreached::Unreached;
+use super::unreached::{Beyond, Unreached};
 use crate::geometry::measure::{Measure, measure};
 use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
@@ -394,6 +394,9 @@ pub struct RoomMap {
     /// Floor that cannot be reached, or may be there, behind gaps too narrow.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unreached: Vec<Unreached>,
+    /// Floor behind straits, which the lap went round and which is no part of the shape.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beyond: Vec<Beyond>,
     /// What the laps have found out about wheels and gyro, once they were driven both ways round.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,

@@ -21,6 +21,7 @@ mod round;
 mod segment;
 mod split;
 mod spur;
+mod strait;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
@@ -33,6 +34,7 @@ pub use island::{Enclosed, enclosed, lost};
 pub use neck::{islands, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 pub use spur::without_spurs;
+pub use strait::cut_at_straits;
 
 use self::chord::{Floor, SHORTEST, is_chord};
 use self::corner::Judge;

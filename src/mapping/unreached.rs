@@ -1,19 +1,17 @@
 //! Floor that the robot cannot get to, told as what it is: where the gap is and how wide.
 //!
-//! Of two kinds. Floor that is on the map, where the body would fit, but that only gaps narrower than the
-//! passability threshold lead to. And mouths: stretches of the outline that nobody touched, straight
-//! across what the robot did not enter, with the end of a wall beside it. What lies behind is not on the
-//! map: more often than not a gap, but a short face of wall in a corner looks the same.
+//! Of three kinds. Floor that is on the map, where the body would fit, but that only gaps narrower than the
+//! passability threshold lead to. Floor beyond straits: the lap went round it, but the follower does not get
+//! through such a gap every time, and the map ends there. And mouths: stretches of the outline that nobody
+//! touched, straight across what the robot did not enter, with the end of a wall beside it. What lies behind is not
+//! known: more often than not a gap, but a short face of wall in a corner looks the same.
 
-use super::floor::{Floor, SPARE, component};
-use super::map::{Contact, MappedObject};
+use super::floor::{Floor, Narrow, SPARE};
+use super::map::{Contact, RoomMap};
 use super::shape::mouths;
-use crate::geometry::{Piece, Point, Ring};
+use crate::geometry::{Piece, Point, Ring, Vector};
 use crate::robot::Chassis;
 use serde::{Deserialize, Serialize};
-
-/// Less floor than this is no place to get to, square metres.
-const LEAST_FLOOR: f64 = 0.02;
 
 /// Floor that cannot be reached, or may be there.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,6 +23,50 @@ pub struct Unreached {
     /// Where the centre of the body could stand behind it, square metres; none where nobody knows what
     /// lies there.
     pub area: Option<f64>,
+}
+
+/// Floor beyond a strait ([`super::shape::cut_at_straits`]).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Beyond {
+    /// What is round it, counter-clockwise; the last piece is the chord across the strait, which nobody touched.
+    pub outline: Ring,
+    /// What was seen there.
+    pub contacts: Vec<Contact>,
+}
+
+impl Beyond {
+    /// The chord across the strait, where that is narrowest; none for an outline without pieces.
+    #[must_use]
+    pub fn strait(&self) -> Option<&Piece> {
+        self.outline.pieces.last()
+    }
+
+    /// Moves all of it.
+    pub fn displace(&mut self, displacement: impl Fn(Point) -> Vector) {
+        self.outline = self.outline.deformed(&displacement);
+        for contact in &mut self.contacts {
+            contact.point += displacement(contact.point);
+            contact.from += displacement(contact.from);
+        }
+    }
+
+    /// The strait as the stretch of the outline that nobody touched.
+    #[must_use]
+    pub fn mouth(&self) -> Option<Unreached> {
+        let strait = self.strait()?;
+        Some(Unreached { at: strait.at(0.5), width: strait.length(), area: None })
+    }
+
+    /// The same with the floor behind it, where the centre of the body could stand.
+    #[must_use]
+    pub fn told(&self, chassis: &Chassis) -> Option<Unreached> {
+        let mouth = self.mouth()?;
+        let floor = Floor::new(&self.outline, &[], chassis, mouth.at);
+        let least = (floor.radius + SPARE) as f32;
+        let cells = floor.free.iter().filter(|&&free| free >= least).count();
+        let area = cells as f64 * floor.grid.cell * floor.grid.cell;
+        Some(Unreached { area: Some(area), ..mouth })
+    }
 }
 
 /// Squaring and adjusting move a stretch by no more than this after it was found, metres.
@@ -49,103 +91,31 @@ impl Unreached {
     }
 }
 
-/// What of the room within `outline`, seen as `contacts` and with `objects` on it, a robot that stands at
-/// `from` does not get to.
+/// What of the room on the `map` a robot that stands at `from` does not get to; nothing before it has a shape.
 #[must_use]
-pub fn unreached(
-    outline: &Ring,
-    contacts: &[Contact],
-    objects: &[MappedObject],
-    chassis: &Chassis,
-    from: Point,
-) -> Vec<Unreached> {
-    let mut all: Vec<Unreached> = mouths(outline, contacts, chassis)
+pub fn unreached(map: &RoomMap, chassis: &Chassis, from: Point) -> Vec<Unreached> {
+    let Some(outline) = map.shape.as_ref().map(|shape| &shape.outline) else { return Vec::new() };
+    let straits: Vec<Unreached> = map.beyond.iter().filter_map(|one| one.told(chassis)).collect();
+    let mut all: Vec<Unreached> = mouths(outline, &map.contacts, chassis)
         .into_iter()
         .map(|chord| Unreached { at: chord.at(0.5), width: chord.length(), area: None })
+        .filter(|mouth| straits.iter().all(|strait| (strait.at - mouth.at).norm() > MOVED))
         .collect();
-    let rings: Vec<&Ring> = objects.iter().map(|object| &object.outline).collect();
-    all.extend(pockets(&Floor::new(outline, &rings, chassis, from)));
+    all.extend(straits);
+    let rings: Vec<&Ring> = map.objects.iter().map(|object| &object.outline).collect();
+    let pockets = Floor::new(outline, &rings, chassis, from).pockets();
+    all.extend(pockets.into_iter().map(|pocket| {
+        let Narrow { at, width, .. } = pocket.narrow;
+        Unreached { at, width, area: Some(pocket.area) }
+    }));
     all
-}
-
-/// The pieces of floor on the map where the body would fit and cannot get to.
-fn pockets(floor: &Floor) -> Vec<Unreached> {
-    let least = (floor.radius + SPARE) as f32;
-    let cells = floor.free.iter().zip(&floor.drivable);
-    let mut left: Vec<bool> = cells.map(|(&free, sent)| free >= least && !sent).collect();
-    let mut found = Vec::new();
-    while let Some(cell) = left.iter().position(|&is| is) {
-        let together = component(&floor.grid, &left, floor.grid.point(cell));
-        let piece: Vec<usize> = (0..left.len()).filter(|&k| together[k]).collect();
-        for &k in &piece {
-            left[k] = false;
-        }
-        let area = piece.len() as f64 * floor.grid.cell * floor.grid.cell;
-        if area < LEAST_FLOOR {
-            continue;
-        }
-        if let Some((at, width)) = narrowest(floor, &piece) {
-            found.push(Unreached { at, width, area: Some(area) });
-        }
-    }
-    found
-}
-
-/// The narrowest place of the widest way from `piece` to where the robot is sent, and how wide it is; none
-/// when no way leads there at all. On the way the floor is taken up widest first (as by Dijkstra's
-/// method, with the narrowest place in place of the length).
-fn narrowest(floor: &Floor, piece: &[usize]) -> Option<(Point, f64)> {
-    let mut narrow: Vec<f32> = vec![0.0; floor.grid.len()];
-    let mut at: Vec<usize> = (0..floor.grid.len()).collect();
-    let mut heap = std::collections::BinaryHeap::new();
-    for &cell in piece {
-        narrow[cell] = floor.free[cell];
-        heap.push((Wide(floor.free[cell]), cell));
-    }
-    while let Some((Wide(free), cell)) = heap.pop() {
-        if free < narrow[cell] {
-            continue;
-        }
-        if floor.drivable[cell] {
-            return Some((
-                floor.grid.point(at[cell]),
-                2.0 * floor.clearance(floor.grid.point(at[cell])),
-            ));
-        }
-        for near in floor.grid.neighbours(cell).into_iter().flatten() {
-            let through = free.min(floor.free[near]);
-            if through > narrow[near] {
-                narrow[near] = through;
-                at[near] = if floor.free[near] < free { near } else { at[cell] };
-                heap.push((Wide(through), near));
-            }
-        }
-    }
-    None
-}
-
-/// A clearance that can be ordered.
-#[derive(Clone, Copy, PartialEq)]
-struct Wide(f32);
-
-impl Eq for Wide {}
-
-impl PartialOrd for Wide {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Wide {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mapping::map::{ContactKind, ObjectClass};
+    use crate::mapping::map::{ContactKind, MappedObject, ObjectClass};
+    use crate::mapping::shape::identify;
 
     fn ring(corners: &[(f64, f64)]) -> Ring {
         Ring::polygon(&corners.iter().map(|(x, y)| Point::new(*x, *y)).collect::<Vec<_>>())
@@ -179,7 +149,9 @@ mod tests {
 
     fn told(outline: &Ring, but: &[usize], objects: &[MappedObject]) -> Vec<Unreached> {
         let contacts = seen(outline, but);
-        unreached(outline, &contacts, objects, &Chassis::default(), Point::new(0.5, 0.5))
+        let shape = Some(identify(outline.clone(), &contacts));
+        let map = RoomMap { shape, contacts, objects: objects.to_vec(), ..RoomMap::default() };
+        unreached(&map, &Chassis::default(), Point::new(0.5, 0.5))
     }
 
     #[test]

@@ -12,8 +12,8 @@ use crate::console::model::{Camera, Layers, Model};
 use crate::console::theme::{Role, Theme};
 use crate::geometry::ring::bounds;
 use crate::geometry::{Point, Pose, Ring, Vector, angle};
-use crate::mapping::map::{LineStatus, Part, PlanLine, stretches};
-use crate::mapping::unreached::Unreached;
+use crate::mapping::map::{LineStatus, Part, PlanLine, RoomMap, stretches};
+use crate::mapping::unreached::{Beyond, Unreached};
 use crate::session::snapshot::{Known, RobotView, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -107,12 +107,16 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
         for part in &shape.parts {
             draw_cuts(canvas, part);
         }
-        draw_wall(canvas, &shape.outline, &map.unreached);
+        draw_wall(canvas, &shape.outline, map);
     }
     if map.shape.is_none() || layers.contacts.is_shown(over) {
         for contact in &map.contacts {
             canvas.point(contact.point, Role::Contact);
         }
+    }
+    // No part of the map, and none of the layers either: what is not mapped is not to be missed.
+    for contact in map.beyond.iter().flat_map(|beyond| &beyond.contacts) {
+        canvas.point(contact.point, Role::Contact);
     }
     for point in &snapshot.felt {
         canvas.point(*point, Role::Contact);
@@ -143,8 +147,10 @@ fn draw_line(canvas: &mut Canvas, line: &PlanLine, rejected: bool) {
 }
 
 /// The wall line, and otherwise than wall what nobody touched of it.
-fn draw_wall(canvas: &mut Canvas, outline: &Ring, unreached: &[Unreached]) {
-    let untouched: Vec<&Unreached> = unreached.iter().filter(|gap| gap.is_untouched()).collect();
+fn draw_wall(canvas: &mut Canvas, outline: &Ring, map: &RoomMap) {
+    let straits = map.beyond.iter().filter_map(Beyond::mouth);
+    let mouths = map.unreached.iter().filter(|gap| gap.is_untouched()).copied();
+    let untouched: Vec<Unreached> = mouths.chain(straits).collect();
     if untouched.is_empty() {
         return canvas.ring(outline, Role::Wall);
     }

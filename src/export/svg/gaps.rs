@@ -5,19 +5,23 @@ use super::super::RunRecord;
 use super::Scene;
 use super::pens::{HIDDEN, NARROW, UNTOUCHED, color};
 use crate::geometry::{Piece, Point, Ring, Vector, perp};
-use crate::mapping::unreached::Unreached;
+use crate::mapping::unreached::{Beyond, Unreached};
 
 /// The marks for everything unreached, and for what may hide something larger than α.
 pub(super) fn draw(scene: &Scene<'_>) -> String {
     let (record, frame) = (scene.record, &scene.frame);
     let map = record.map;
     let ring = scene.wall.clone().unwrap_or_default();
-    let (mut untouched, mut narrow) = (String::new(), String::new());
+    let (mut untouched, mut narrow, mut floor) = (String::new(), String::new(), String::new());
     for gap in &map.unreached {
         match gap.area {
             None => untouched.push_str(&frame.single(&stretch(gap, &ring))),
             Some(_) => narrow.push_str(&frame.single(&across(gap, record, &ring))),
         }
+    }
+    // Nor of a wall across a strait.
+    for mouth in map.beyond.iter().filter_map(Beyond::mouth) {
+        floor.push_str(&frame.single(&stretch(&mouth, &ring)));
     }
     // The wall under it is taken away first: nobody knows that there is one.
     let below = super::pens::Pen {
@@ -27,7 +31,8 @@ pub(super) fn draw(scene: &Scene<'_>) -> String {
         dashes: "",
         ..UNTOUCHED
     };
-    let mut out = below.stroke(&untouched);
+    floor.push_str(&untouched);
+    let mut out = below.stroke(&floor);
     out.push_str(&UNTOUCHED.stroke(&untouched));
     out.push_str(&NARROW.stroke(&narrow));
     if let (Some(owed), Some(at)) = (map.shortfall(), map.hidden_at) {
@@ -48,6 +53,10 @@ fn stretch(gap: &Unreached, ring: &Ring) -> Piece {
 
 /// The narrowest place, from one side to the other.
 fn across(gap: &Unreached, record: &RunRecord<'_>, ring: &Ring) -> Piece {
+    let straits = record.map.beyond.iter().filter_map(Beyond::mouth);
+    if let Some(mouth) = straits.into_iter().find(|mouth| mouth.at == gap.at) {
+        return stretch(&mouth, ring);
+    }
     let rings = record.map.objects.iter().map(|object| &object.outline).chain([ring]);
     let nearest = rings
         .filter_map(|ring| ring.nearest(gap.at))

@@ -29,6 +29,7 @@ pub(super) fn draw(scene: &Scene<'_>, labels: &Labels, letters: &mut Lettering) 
         Some(data) => out.push_str(&pens::WALL.stroke(&data)),
         None => out.push_str(&touched(record, frame)),
     }
+    out.push_str(&beyond(record, frame));
     out.push_str(&gaps::draw(scene));
     out.push_str(&start(record.settings.start, frame));
     out.push_str(&labels::draw(labels, letters));
@@ -49,8 +50,18 @@ fn floor(wall: &str) -> String {
 /// The contacts of a lap that is not closed. What is between two of them nobody knows: they are not
 /// joined, not even in the order in which they were felt.
 fn touched(record: &RunRecord<'_>, frame: &Frame) -> String {
+    dots("boundary", surface_points(record.map), frame)
+}
+
+/// What was felt behind straits, which is no part of the map.
+fn beyond(record: &RunRecord<'_>, frame: &Frame) -> String {
+    let contacts = record.map.beyond.iter().flat_map(|beyond| &beyond.contacts);
+    dots("beyond", contacts.map(|contact| contact.point), frame)
+}
+
+fn dots(id: &str, points: impl IntoIterator<Item = Point>, frame: &Frame) -> String {
     let mut dots = String::new();
-    for point in surface_points(record.map) {
+    for point in points {
         let (x, y) = frame.at(point);
         // Writing to a string cannot fail.
         let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.6\"/>");
@@ -58,7 +69,7 @@ fn touched(record: &RunRecord<'_>, frame: &Frame) -> String {
     if dots.is_empty() {
         return dots;
     }
-    format!("<g id=\"boundary\" fill=\"{}\">{dots}</g>\n", color::WALL)
+    format!("<g id=\"{id}\" fill=\"{}\">{dots}</g>\n", color::WALL)
 }
 
 fn cuts(record: &RunRecord<'_>, frame: &Frame) -> String {

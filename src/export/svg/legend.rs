@@ -73,7 +73,8 @@ pub(super) fn items(scene: &Scene<'_>) -> Vec<(&'static str, String)> {
     let dots: String = [4, 12, 20].map(|x| format!("<circle cx=\"{x}\" r=\"1.6\"/>")).concat();
     let dots = format!("<g fill=\"{}\">{dots}</g>", color::WALL);
     let mut all = vec![(map.closed, pens::WALL.name, line(&pens::WALL))];
-    all.push((!map.closed, pens::TOUCHED, dots));
+    all.push((!map.closed, pens::TOUCHED, dots.clone()));
+    all.push((!map.beyond.is_empty(), pens::BEYOND, dots));
     all.push((seen(false), pens::OBJECT.name, object(&pens::OBJECT)));
     all.push((seen(true), pens::HALF_SEEN.name, object(&pens::HALF_SEEN)));
     all.push((gap(false), pens::UNTOUCHED.name, line(&pens::UNTOUCHED)));

@@ -101,6 +101,8 @@ const fn pen(
 pub(super) const WALL: Pen = pen("boundary", "wall", color::WALL, 2.2, "");
 /// The wall while its lap is open, in the legend: contacts.
 pub(super) const TOUCHED: &str = "contact, lap not closed";
+/// What was felt behind straits, in the legend.
+pub(super) const BEYOND: &str = "felt, not mapped";
 pub(super) const OBJECT: Pen = pen("object", "object", color::OBJECT_EDGE, 1.8, "");
 pub(super) const HALF_SEEN: Pen =
     pen("object-open", "object, half seen", color::OBJECT_EDGE, 1.8, "4 3");

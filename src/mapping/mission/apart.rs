@@ -7,6 +7,7 @@ use crate::geometry::{Piece, Ring};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
 use crate::mapping::shape::{self, Enclosed, Loops, Thing};
+use crate::mapping::unreached::{Beyond, Unreached};
 
 impl Mission {
     /// Makes objects of what the lap went round within the room; false when there is nothing.
@@ -52,10 +53,31 @@ impl Mission {
         let is_same = |ring: &Ring| (ring.area() / rest.area() - 1.0).abs() < REFINED;
         // A side across floor that the robot drove on joins what is not beside each other.
         let is_driven_over = |ring: &Ring| self.way_within(ring) < self.way_within(&rest);
-        let better = again.filter(|ring| {
-            (is_round(ring) || (was_joined && is_same(ring))) && !is_driven_over(ring)
-        });
+        // Where the map ends at a strait nothing was felt, and a fit would draw wall there.
+        let joined = was_joined && self.map.beyond.is_empty();
+        let better = again
+            .filter(|ring| (is_round(ring) || (joined && is_same(ring))) && !is_driven_over(ring));
         better.unwrap_or(rest)
+    }
+
+    /// Ends the map at straits; what remains of `outline`. What was seen behind them is kept by itself.
+    pub(super) fn end_at_straits(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
+        let here = [self.settings.start.position, self.tracker.pose().position];
+        let (rest, behind) = shape::cut_at_straits(outline, here, &self.settings.chassis);
+        let (there, walls): (Vec<Contact>, Vec<Contact>) =
+            std::mem::take(&mut self.map.contacts).into_iter().partition(|contact| {
+                let off = |ring: &Ring| ring.distance(contact.point);
+                behind.iter().any(|ring| off(ring) < off(&rest))
+            });
+        self.map.contacts = walls;
+        let parts = shape::shared_out(&there, &behind);
+        let beyond = behind.into_iter().zip(parts);
+        self.map.beyond = beyond.map(|(outline, contacts)| Beyond { outline, contacts }).collect();
+        let gaps = self.map.beyond.iter().filter_map(|one| one.told(&self.settings.chassis));
+        for Unreached { at, width, area } in gaps.collect::<Vec<_>>() {
+            self.tell(EventKind::Unreached { at, width, area: area.unwrap_or(0.0) }, out);
+        }
+        rest
     }
 
     pub(super) fn stands_apart(&mut self, thing: Thing, out: &mut Vec<Output>) {

@@ -94,6 +94,11 @@ impl Mission {
             let tie = survey.tie(begin, knots);
             object.displace(|p| survey.displacement(p, &tie));
         }
+        for beyond in &mut self.map.beyond {
+            let begin = beyond.contacts.first().map_or(0, Contact::time_us);
+            let tie = survey.tie(begin, knots);
+            beyond.displace(|p| survey.displacement(p, &tie));
+        }
         for point in self.tracker.path_mut().iter_mut().take_while(|p| p.time_us < since_us) {
             let tie = survey.tie(point.time_us, knots);
             point.pose = survey.place(point.pose, &tie);
@@ -177,7 +182,14 @@ impl Mission {
                 break;
             }
             self.stretch(stretch);
-            let Ok(fitted) = self.fitted_outline() else {
+            let fitted = if self.map.beyond.is_empty() {
+                self.fitted_outline()
+            } else {
+                // A fit would draw wall across the straits.
+                let start = self.settings.start.position;
+                Ok(outline.deformed(|at| (at - start) * (stretch - 1.0)))
+            };
+            let Ok(fitted) = fitted else {
                 self.stretch(1.0 / stretch);
                 self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
                 return outline;
@@ -212,6 +224,9 @@ impl Mission {
         }
         for object in &mut self.map.objects {
             object.displace(moved);
+        }
+        for beyond in &mut self.map.beyond {
+            beyond.displace(moved);
         }
         for stroke in &mut self.way {
             *stroke = stroke.placed(|at, _| at + moved(at));
@@ -249,6 +264,7 @@ impl Mission {
         for thing in shape::lost(&across, &outline).1 {
             self.stands_apart(thing, out);
         }
+        let outline = self.end_at_straits(outline, out);
         let outline = self.set_apart(outline, out);
         let shape = shape::identify(outline, &self.map.contacts);
         let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
@@ -383,10 +399,8 @@ impl Mission {
 
     /// Looks for floor that the robot does not get to, and tells of it.
     fn tell_unreached(&mut self, out: &mut Vec<Output>) {
-        let Some(shape) = &self.map.shape else { return };
-        let (chassis, here) = (&self.settings.chassis, self.tracker.pose().position);
-        let map = &self.map;
-        let found = unreached(&shape.outline, &map.contacts, &map.objects, chassis, here);
+        let here = self.tracker.pose().position;
+        let found = unreached(&self.map, &self.settings.chassis, here);
         for Unreached { at, width, area } in found.iter().copied() {
             if let Some(area) = area {
                 self.tell(EventKind::Unreached { at, width, area }, out);
@@ -401,14 +415,16 @@ impl Mission {
     }
 
     /// Fits the outline once more, to contacts that all the touches of the tour have put right. What
-    /// that makes more ragged than it was, or another room, is left as it was, only moved.
+    /// that makes more ragged than it was, or another room, is left as it was, only moved; and so is one that ends
+    /// at straits, where nothing was felt and a fit would draw wall.
     fn refine(&mut self) {
         let (pieces, area) = self
             .map
             .shape
             .as_ref()
             .map_or((0, 0.0), |shape| (shape.outline.pieces.len(), shape.outline.area()));
-        if let Ok(outline) = self.fitted_outline()
+        if self.map.beyond.is_empty()
+            && let Ok(outline) = self.fitted_outline()
             && outline.pieces.len() <= pieces
             && (outline.area() / area - 1.0).abs() < REFINED
         {

@@ -67,6 +67,12 @@ impl Mission {
             shape.outline = shape.outline.deformed(|p| adjusted.displacement(before, &now, p));
         }
         self.map.contacts = now;
+        for beyond in &mut self.map.beyond {
+            let now = moved(&beyond.contacts);
+            let before = std::mem::replace(&mut beyond.contacts, now);
+            let now = &beyond.contacts;
+            beyond.outline = beyond.outline.deformed(|p| adjusted.displacement(&before, now, p));
+        }
         for object in &mut self.map.objects {
             let now = moved(&object.contacts);
             let before = std::mem::replace(&mut object.contacts, now);

@@ -7,9 +7,11 @@ use periplus::console::key::Key;
 use periplus::console::model::{Model, Overlay};
 use periplus::console::update::{Effect, perform, press};
 use periplus::console::{Keymap, frame};
+use periplus::geometry::{Piece, Point, Ring, perp};
 use periplus::journal::Header;
+use periplus::mapping::map::{Contact, ContactKind};
 use periplus::mapping::settings::Settings;
-use periplus::mapping::unreached::Unreached;
+use periplus::mapping::unreached::{Beyond, Unreached};
 use periplus::robot::Intent;
 use periplus::runtime::simulated::SimulatedRun;
 use periplus::session::{Known, RunState, Snapshot};
@@ -173,6 +175,37 @@ fn what_nobody_touched_is_not_drawn_as_wall() {
     assert!(styles.matches('y').count() > 5, "{styles}");
     assert!(symbols.contains("unknown 1 stretch,"), "{symbols}");
     assert!(!symbols.contains("narrow "), "nobody knows that there is a gap: {symbols}");
+}
+
+/// What was felt behind a strait is dots, also where contacts are not shown, and the strait is no wall.
+#[test]
+fn behind_a_strait_are_dots_and_no_wall_is_across_it() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    phase(&mut run);
+    phase(&mut run);
+    let mut snapshot = run.snapshot();
+    let outline = &mut snapshot.map.shape.as_mut().expect("a shape").outline;
+    // The first wall in three, with a strait of 0.28 m.
+    let (wall, at) = (outline.pieces[0], |t: f64| outline.pieces[0].at(t));
+    let t = 0.28 / wall.length();
+    let cut = [at(0.0), at(0.5), at(0.5 + t), at(1.0)];
+    let pieces = cut.windows(2).map(|ends| Piece::Line { from: ends[0], to: ends[1] });
+    let pieces: Vec<Piece> = pieces.collect();
+    let behind = |p: Point| p - perp(wall.tangent(0.0)) * 1.5;
+    let (strait, far) = (pieces[1], [behind(cut[1]), behind(cut[2])]);
+    outline.pieces.splice(0..1, pieces);
+    let model = Model::new(120, 40, Keymap::default());
+    let (whole, _) = frame::planes(&model, &snapshot);
+    let seen =
+        |point| Contact { point, from: point, sensor: None, kind: ContactKind::Range, time: 0.0 };
+    snapshot.map.beyond = vec![Beyond {
+        outline: Ring::polygon(&[strait.from(), far[0], far[1], strait.to()]),
+        contacts: far.map(seen).to_vec(),
+    }];
+    let shown = frame::planes(&model, &snapshot);
+    assert_ne!(whole, shown.0, "nothing tells of it");
+    assert!(shown.1.contains('y'), "wall across it: {}", shown.1);
+    insta::assert_snapshot!("strait_120x40", format!("{}\n{}", shown.0, shown.1));
 }
 
 #[test]

@@ -289,6 +289,20 @@ mod tests {
     }
 
     #[test]
+    fn floor_behind_a_strait_is_no_part_of_the_boundary() {
+        let mut sample = sample::room();
+        let plain = parsed(&sample.record());
+        assert!(role(&plain, "beyond").is_empty(), "there is none");
+        sample.map.beyond = vec![sample::beyond()];
+        let features = parsed(&sample.record());
+        assert_eq!(role(&features, "boundary"), role(&plain, "boundary"));
+        let [beyond] = role(&features, "beyond")[..] else { panic!("one piece of floor") };
+        assert_eq!(beyond["properties"]["area"], 3.0);
+        let ring = beyond["geometry"]["coordinates"][0].as_array().expect("a ring");
+        assert_eq!(ring.first(), ring.last(), "rings are closed");
+    }
+
+    #[test]
     fn plan_lines_carry_their_entry_and_reason() {
         let mut sample = sample::room();
         if let Some(plan) = &mut sample.map.plan {

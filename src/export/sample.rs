@@ -9,6 +9,7 @@ use crate::mapping::map::{
     PartClass, PathPoint, Phase, Plan, PlanFigures, PlanLine, RoomMap, Shape, ShapeClass, Spun,
 };
 use crate::mapping::settings::{Settings, Strategy};
+use crate::mapping::unreached::Beyond;
 use crate::session::snapshot::PhaseProgress;
 
 /// Centre and radius of the sample's column.
@@ -63,6 +64,14 @@ pub(crate) fn outline() -> Ring {
         Piece::with_bulge(Point::new(x, y), Point::new(to_x, to_y), bulge)
     };
     Ring { pieces: (0..vertices.len()).map(piece).collect() }
+}
+
+/// Floor of 2 by 1.5 m behind a strait of 0.28 m in the wall on the right.
+pub(crate) fn beyond() -> Beyond {
+    let corners = [(4.0, 0.5), (4.0, 0.2), (6.0, 0.2), (6.0, 1.7), (4.0, 1.7), (4.0, 0.78)];
+    let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+    let contacts = outline.pieces[..5].iter().map(|piece| contact(piece.at(0.5))).collect();
+    Beyond { outline, contacts }
 }
 
 pub(crate) fn room() -> Sample {

@@ -110,7 +110,8 @@ pub fn write(record: &RunRecord<'_>, options: &Options) -> String {
 fn extent(record: &RunRecord<'_>, wall: Option<&Ring>) -> (Point, Point) {
     let mut points: Vec<Point> = vec![record.settings.start.position];
     points.extend(record.map.path.iter().map(|point| point.pose.position));
-    points.extend(record.map.contacts.iter().map(|contact| contact.point));
+    let beyond = record.map.beyond.iter().flat_map(|beyond| &beyond.contacts);
+    points.extend(record.map.contacts.iter().chain(beyond).map(|contact| contact.point));
     for ring in wall.into_iter().chain(record.map.objects.iter().map(|o| &o.outline)) {
         points.extend(ring.bounds().map_or(vec![], |(low, high)| vec![low, high]));
     }

@@ -133,6 +133,15 @@ pub enum EventKind {
         /// Diameter of the hidden disc, metres.
         diameter: f64,
     },
+    /// The map ends at a strait, whatever was felt behind it.
+    Strait {
+        /// The middle of it.
+        at: Point,
+        /// How wide it is, metres.
+        width: f64,
+        /// Floor for the body's centre behind it, square metres.
+        area: f64,
+    },
     /// There is floor that cannot be reached.
     Unreached {
         /// Where the gap is narrowest.

@@ -146,7 +146,7 @@ impl Chassis {
     }
 
     /// The map ends at anything narrower that has a room behind it: 2(r + d) - 20 mm, metres. The follower gets
-    /// through some of these and not through others; from 2(r + d) on through all, and between the two the map tells
+    /// through some of these and not through others; from 2(r + d) + 10 mm on through all, and between the map tells
     /// what it did, since the width of a gap is known to no more than a centimetre.
     #[must_use]
     pub fn strait(&self) -> f64 {

@@ -48,6 +48,7 @@ fn extent(snapshot: &Snapshot) -> (Point, Point) {
         Some(shape) => points.extend(shape.outline.to_points(0.01)),
         None => points.extend(map.contacts.iter().map(|contact| contact.point)),
     }
+    points.extend(map.beyond.iter().flat_map(|one| &one.contacts).map(|contact| contact.point));
     points.extend(map.path.iter().step_by(8).map(|point| point.pose.position));
     points.extend(placed(snapshot).map(|pose| pose.position));
     let (low, high) = bounds(&points).unwrap_or((Point::origin(), Point::origin()));

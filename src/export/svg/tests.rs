@@ -144,6 +144,29 @@ fn what_was_not_reached_is_drawn_and_told() {
 }
 
 #[test]
+fn floor_behind_a_strait_is_no_room_and_what_was_felt_there_is_shown() {
+    let mut sample = sample::room();
+    assert!(!drawn(&sample).contains(pens::BEYOND), "there is none");
+    let beyond = sample::beyond();
+    let seen = beyond.contacts.len();
+    sample.map.unreached = vec![beyond.told(&sample.settings.chassis).expect("a strait")];
+    sample.map.beyond = vec![beyond];
+    let drawing = drawn(&sample);
+    let layer = &drawing[place(&drawing, "<g id=\"beyond\"")..];
+    let layer = layer.split("</g>").next().expect("a layer");
+    assert_eq!(layer.matches("<circle").count(), seen, "{layer}");
+    assert!(drawing.contains(&format!("aria-label=\"{}\"", pens::BEYOND)));
+    assert!(drawing.contains("1 gap too narrow, 28 cm wide, with 2.24 m² behind"), "{drawing}");
+    // The wall line is taken away along the strait, and the bar lies there.
+    let ends = |id: &str| {
+        let pen = &drawing[place(&drawing, id)..];
+        pen.split(" d=\"").nth(1).and_then(|rest| rest.split('"').next()).map(str::to_owned)
+    };
+    assert!(ends("id=\"untouched-floor\"").is_some());
+    assert_eq!(ends("id=\"untouched-floor\""), ends("id=\"narrow\""));
+}
+
+#[test]
 fn where_something_may_hide_is_drawn_when_the_promise_is_not_kept() {
     let mut sample = sample::room();
     sample.map.hidden_at = Some(Point::new(2.0, 1.5));

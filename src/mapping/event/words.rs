@@ -137,6 +137,13 @@ fn out_of_reach(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             at.x,
             at.y
         ),
+        EventKind::Strait { at, width, area } => write!(
+            f,
+            "the map ends at a gap of {:.0} mm at ({:.2}, {:.2}), not passed every time: {area:.2} m² behind it",
+            width * 1e3,
+            at.x,
+            at.y
+        ),
         EventKind::Untouched { count: 1, most, .. } => {
             write!(
                 f,
@@ -354,9 +361,10 @@ impl fmt::Display for EventKind {
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
             Self::ShapeFound { class, vertices, parts } => shape(f, *class, *vertices, *parts),
             Self::PlanMade { .. } => plan(f, self),
-            Self::Unreached { .. } | Self::Untouched { .. } | Self::StillHidden { .. } => {
-                out_of_reach(f, self)
-            }
+            Self::Strait { .. }
+            | Self::Unreached { .. }
+            | Self::Untouched { .. }
+            | Self::StillHidden { .. } => out_of_reach(f, self),
             Self::MadeSquare { .. }
             | Self::SquareNoted { .. }
             | Self::NothingSquare

@@ -75,7 +75,7 @@ impl Mission {
         self.map.beyond = beyond.map(|(outline, contacts)| Beyond { outline, contacts }).collect();
         let gaps = self.map.beyond.iter().filter_map(|one| one.told(&self.settings.chassis));
         for Unreached { at, width, area } in gaps.collect::<Vec<_>>() {
-            self.tell(EventKind::Unreached { at, width, area: area.unwrap_or(0.0) }, out);
+            self.tell(EventKind::Strait { at, width, area: area.unwrap_or(0.0) }, out);
         }
         rest
     }

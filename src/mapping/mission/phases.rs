@@ -401,8 +401,13 @@ impl Mission {
     fn tell_unreached(&mut self, out: &mut Vec<Output>) {
         let here = self.tracker.pose().position;
         let found = unreached(&self.map, &self.settings.chassis, here);
+        let straits: Vec<Point> =
+            self.map.beyond.iter().filter_map(|one| Some(one.strait()?.at(0.5))).collect();
+        // The straits were told when the map was ended there.
         for Unreached { at, width, area } in found.iter().copied() {
-            if let Some(area) = area {
+            if let Some(area) = area
+                && !straits.contains(&at)
+            {
                 self.tell(EventKind::Unreached { at, width, area }, out);
             }
         }

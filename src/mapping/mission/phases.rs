@@ -31,9 +31,6 @@ pub(super) const REFINED: f64 = 0.05;
 /// Places of the lap whose doubt is looked at, at most.
 const MOST_DOUBTS: usize = 40;
 
-/// Places of the way that are looked at, at most.
-const MOST_LOOKED_AT: usize = 500;
-
 /// A taped length is laid on the map at most so often; each time the outline is fitted anew.
 const TAPINGS: u32 = 4;
 
@@ -291,20 +288,19 @@ impl Mission {
         fitted.as_ref().is_ok_and(|outline| self.encloses_the_lap(outline))
     }
 
-    /// Whether most of the robot's way lies within `outline`: one that leaves it out is not where it
-    /// drove.
+    /// Whether most of the lap's way lies within `outline`: one that leaves it out is not where the robot drove.
     fn encloses_the_lap(&self, outline: &Ring) -> bool {
         self.way_within(outline) >= 0.5
     }
 
-    /// The share of the robot's way that lies within `outline`.
+    /// The share of the lap's way that lies within `outline`. Rounds in a pocket are not of the lap.
     pub(super) fn way_within(&self, outline: &Ring) -> f64 {
-        let path = self.tracker.path();
-        let looked_at = path.iter().step_by((path.len() / MOST_LOOKED_AT).max(1));
-        let (inside, all) = looked_at.fold((0_u32, 0_u32), |(inside, all), point| {
-            (inside + u32::from(outline.contains(point.pose.position)), all + 1)
+        let (inside, all) = self.way.iter().fold((0.0, 0.0), |(inside, all), stroke| {
+            let length = stroke.length();
+            let more = if outline.contains(stroke.middle()) { length } else { 0.0 };
+            (inside + more, all + length)
         });
-        f64::from(inside) / f64::from(all.max(1))
+        inside / f64::max(all, f64::MIN_POSITIVE)
     }
 
     /// Keeps what is known of wheels and gyro, once that is more than a guess.

@@ -3,7 +3,7 @@
 //! over; and a lap that did not close where it could goes round the whole room again. Takes contacts in time
 //! order and keeps one round; knows nothing of their order along the wall, nor of lines and arcs.
 
-use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::geometry::{Piece, Point, Ring, Segment, angle, cross};
 use crate::mapping::map::Contact;
 
 /// A round leads as near as this past the place where it began, metres, ...
@@ -14,14 +14,18 @@ const SAME_SIDE: f64 = 0.5;
 const LEAST: f64 = 0.8;
 /// ... or so much of the floor within a room, square metres: of a nook it leaves little to go round.
 const WITHIN: f64 = 0.02;
-/// A room is gone round again when the lap without that round encloses at least this share of it.
+/// A room is gone round again when the lap without that round encloses at least this share of it, ...
 const AS_MUCH: f64 = 0.7;
+/// ... and leads as near as this, metres, past at least this share of the places on the round. Past those of another
+/// room of the same size, behind a gap, it does not.
+const BESIDE: f64 = 0.2;
+const SEEN_AGAIN: f64 = 0.7;
 /// Rounds at most: the follower goes on after that, or the lap has failed.
 const MOST: usize = 8;
 
 /// Without all rounds but one of each thing that the lap went round again: without what was driven between
 /// two looks at the same wall from the same place, turning the other way than the lap as a whole does, or
-/// the same way while the rest encloses about as much again.
+/// the same way while the rest encloses about as much again, in the same place.
 /// `reach` is body radius plus range of the switches, metres.
 pub(super) fn once_round(contacts: &[Contact], reach: f64) -> Vec<Contact> {
     let mut kept = contacts.to_vec();
@@ -52,12 +56,22 @@ fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
         let way: Vec<Point> = contacts[i..k].iter().map(|contact| contact.from).collect();
         Ring::polygon(&way).contains(contacts[i].point)
     };
+    let is_beside = |i: usize, k: usize| {
+        let legs = |part: &[Contact]| -> Vec<Segment> {
+            part.windows(2).map(|two| Segment::new(two[0].from, two[1].from)).collect()
+        };
+        let rest = [legs(&contacts[..=i]), legs(&contacts[k..])].concat();
+        let near =
+            |c: &&Contact| rest.iter().any(|leg| leg.distance_squared(c.from) < BESIDE * BESIDE);
+        let seen = contacts[i..k].iter().filter(near).count();
+        seen as f64 >= SEEN_AGAIN * (k - i) as f64
+    };
     let is_round = |i: usize, k: usize| {
         let (round, whole) = (enclosed(i, k), enclosed(0, contacts.len() - 1));
         if whole / round < 0.0 {
             round.abs() > 2.0 * least && is_around(i, k)
         } else {
-            round.abs() > 2.0 * WITHIN && whole / round - 1.0 > AS_MUCH
+            round.abs() > 2.0 * WITHIN && whole / round - 1.0 > AS_MUCH && is_beside(i, k)
         }
     };
     let is_past = |i: usize, k: usize| {
@@ -122,6 +136,23 @@ mod tests {
         let (kept, once) = (once_round(&lap(2), REACH).len(), lap(1).len());
         assert!(kept.abs_diff(once) < 3, "{kept} of {once}");
         assert_eq!(once_round(&lap(1), REACH).len(), lap(1).len());
+    }
+
+    #[test]
+    fn a_second_room_as_large_as_the_first_is_no_round_of_it() {
+        // Between the two is a gap in which the robot sees the same corner from the same place on its way in and
+        // on its way out.
+        let corner =
+            Contact { from: Point::new(1.98, 1.0), ..along(&[(1.95, 0.9), (1.95, 0.95)], 1.0)[0] };
+        let mut lap = along(&[(0.0, 0.0), (1.95, 0.0), (1.95, 0.9)], 1.0);
+        lap.push(corner);
+        lap.extend(along(
+            &[(2.0, 0.9), (2.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 1.15)],
+            1.0,
+        ));
+        lap.push(corner);
+        lap.extend(along(&[(1.95, 1.15), (1.95, 2.0), (0.0, 2.0), (0.0, 0.0)], 1.0));
+        assert_eq!(once_round(&lap, REACH).len(), lap.len());
     }
 
     #[test]

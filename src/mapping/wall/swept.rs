@@ -31,8 +31,16 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    fn length(&self) -> f64 {
+    /// How far the robot drove on it, metres; hardly at all where it turned on the spot.
+    #[must_use]
+    pub fn length(&self) -> f64 {
         (self.to.position - self.from.position).norm()
+    }
+
+    /// Half way along.
+    #[must_use]
+    pub fn middle(&self) -> Point {
+        nalgebra::center(&self.from.position, &self.to.position)
     }
 
     /// Whether `next` goes on as this does.

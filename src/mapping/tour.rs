@@ -19,6 +19,8 @@ mod no_passage;
 mod recognise;
 mod rounds;
 mod sureness;
+#[cfg(test)]
+mod testing;
 mod ties;
 
 use super::chart::Chart;
@@ -116,6 +118,8 @@ pub struct Tour {
     tied: Vec<(Point, Vector)>,
     /// Where what is mapped left the robot no way out.
     shut_in: Vec<Point>,
+    /// Where the last line was given up because what is mapped stopped the robot.
+    stopped_at: Option<Point>,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
     /// Since when the robot's place is not sure beyond doubt, and what was done since.
@@ -174,6 +178,7 @@ impl Tour {
             to_tie: None,
             tied: Vec::new(),
             shut_in: Vec::new(),
+            stopped_at: None,
             fixed_by: None,
             sure: Sureness::default(),
             doubts: Vec::new(),

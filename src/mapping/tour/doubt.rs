@@ -1,6 +1,7 @@
 //! Whether the robot can be where it believes it is. What is met where the body has been before, or beyond
 //! the room, cannot be there; nor can anything gone round hold places where the body has been, or reach
-//! into what is mapped. Either something has moved or the robot is astray, and a robot that is astray maps
+//! into what is mapped, nor what is mapped stop the robot again and again where the map leaves it a way. Either
+//! something has moved or the robot is astray, and a robot that is astray maps
 //! everything twice. It finds such contradictions and takes off the map what they show to be wrong; the
 //! robot's place is looked for by the mission, as after it was carried.
 
@@ -269,7 +270,12 @@ impl Tour {
     }
 
     pub(super) fn may_doubt(&self, p: Point) -> bool {
-        self.doubts.len() < MOST_DOUBTS && !self.was_doubted(p)
+        self.may_doubt_again() && !self.was_doubted(p)
+    }
+
+    /// Whether there may be one more doubt, wherever that is.
+    pub(super) fn may_doubt_again(&self) -> bool {
+        self.doubts.len() < MOST_DOUBTS
     }
 
     /// Leaves what it was doing: the robot is astray, since what it is `beside`, or has come from, cannot be

@@ -95,50 +95,15 @@ impl Tour {
 #[cfg(test)]
 mod tests {
     use super::super::Turn;
+    use super::super::testing::room_gone_along;
     use super::*;
-    use crate::geometry::Pose;
     use crate::mapping::follow::AtRest;
-    use crate::mapping::map::{Phase, Spun};
-    use crate::mapping::plan::{self, PlanRequest};
-    use crate::mapping::settings::Settings;
-    use crate::mapping::shape;
     use crate::mapping::survey::Survey;
     use crate::robot::{DoneReason, SwitchSet};
 
-    /// A room 3 m long and 1 m wide, along which the robot went `aside` metres from a wall; with the lines of
-    /// its plan driven, for all that is believed.
-    fn gone_along(aside: f64) -> (Settings, RoomMap, Tracker) {
-        let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 1.0)];
-        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
-        let shape = shape::identify(outline, &[]);
-        let settings = Settings::new(Pose::new(0.16, aside, 0.0));
-        let mut plan = plan::make(&PlanRequest {
-            shape: &shape,
-            objects: &[],
-            driven: &Coverage::new(),
-            from: settings.start.position,
-            settings: &settings,
-        });
-        for line in &mut plan.lines {
-            line.status = LineStatus::Driven;
-        }
-        let (shape, plan) = (Some(shape), Some(plan));
-        let map = RoomMap { shape, plan, hidden_disc: Some(0.1), ..RoomMap::default() };
-        let mut tracker = Tracker::new(&settings.chassis, settings.start);
-        tracker.path_mut().extend((0..=268_u32).map(|k| PathPoint {
-            pose: Pose::new(0.16 + f64::from(k) * 0.01, aside, 0.0),
-            time_us: u64::from(k) * 50_000,
-            rested_us: 0,
-            spun: Spun::default(),
-            phase: Phase::Objects,
-            carried: false,
-        }));
-        (settings, map, tracker)
-    }
-
     /// What is hidden there.
     fn hidden(aside: f64) -> f64 {
-        let (settings, mut map, tracker) = gone_along(aside);
+        let (settings, mut map, tracker) = room_gone_along(aside);
         let tour = Tour::new(&settings, &map, &Survey::new(0.003));
         tour.measure_hidden(&tracker, &mut map);
         map.hidden_disc.expect("measured")
@@ -154,7 +119,7 @@ mod tests {
 
     #[test]
     fn of_the_rest_what_is_hidden_is_driven_through_and_no_line_again() {
-        let (settings, mut map, mut tracker) = gone_along(0.3);
+        let (settings, mut map, mut tracker) = room_gone_along(0.3);
         let mut survey = Survey::new(0.003);
         survey.mark(settings.start.position, 0);
         let lines = map.plan.as_ref().map_or(0, |plan| plan.lines.len());

@@ -15,6 +15,10 @@ use std::collections::VecDeque;
 /// Of a line that is not driven from end to end, no less than this is spoken of, metres.
 const NOTED: f64 = 0.05;
 
+/// Stopped so near to where the line before was given up, metres, by what the map has elsewhere, the robot is not
+/// where it believes it is.
+const SAME_STOP: f64 = 0.1;
+
 impl Tour {
     pub(super) fn drive(
         &mut self,
@@ -38,31 +42,7 @@ impl Tour {
                     }
                 }
             }
-            Some(DoneReason::Bumper | DoneReason::Stalled) => {
-                drive.bumps += 1;
-                let seen = self.wall.log().last().copied();
-                if let Some(seen) = seen
-                    && !self.is_charted(scene.survey, seen.point)
-                {
-                    return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
-                }
-                if drive.bumps >= MOST_BUMPS {
-                    let wall = |seen: Sighting| self.chart.distance(seen.point).1.is_none();
-                    let why = if seen.is_some_and(wall) {
-                        LineReason::NoClearance
-                    } else {
-                        LineReason::ObjectOnLine
-                    };
-                    self.end_line(&drive, LineStatus::Blocked, Some(why), scene);
-                    return None;
-                }
-                self.doing = Doing::BackingOff(drive);
-                return Some(Ask {
-                    motion: Motion::Move { distance: -0.04, speed: f64::INFINITY },
-                    guard: Guard::default(),
-                    why: "touched something mapped: backing off",
-                });
-            }
+            Some(DoneReason::Bumper | DoneReason::Stalled) => return self.bumped(drive, scene),
             _ => {}
         }
         if reason == Some(DoneReason::Complete)
@@ -99,6 +79,37 @@ impl Tour {
             return None;
         }
         self.towards(drive, &scene.rest)
+    }
+
+    /// Something stopped the robot: what is not mapped is gone round, and before what is mapped it backs off, so often.
+    fn bumped(&mut self, mut drive: Box<Drive>, scene: &mut Scene<'_>) -> Option<Ask> {
+        drive.bumps += 1;
+        let seen = self.wall.log().last().copied();
+        if let Some(seen) = seen
+            && !self.is_charted(scene.survey, seen.point)
+        {
+            return self.meet(drive, seen, 0.0, "bumper".to_owned(), scene);
+        }
+        if drive.bumps < MOST_BUMPS {
+            self.doing = Doing::BackingOff(drive);
+            return Some(Ask {
+                motion: Motion::Move { distance: -0.04, speed: f64::INFINITY },
+                guard: Guard::default(),
+                why: "touched something mapped: backing off",
+            });
+        }
+        let here = scene.rest.pose.position;
+        let before = self.stopped_at.replace(here);
+        if before.is_some_and(|p| (p - here).norm() < SAME_STOP) && self.may_doubt_again() {
+            self.doing = Doing::Driving(drive);
+            self.go_astray(here, None, scene);
+            return None;
+        }
+        let wall = |seen: Sighting| self.chart.distance(seen.point).1.is_none();
+        let why =
+            if seen.is_some_and(wall) { LineReason::NoClearance } else { LineReason::ObjectOnLine };
+        self.end_line(&drive, LineStatus::Blocked, Some(why), scene);
+        None
     }
 
     /// Whether a contact at `p` is of something mapped, as far as is known.
@@ -212,5 +223,40 @@ impl Tour {
             // Two-pass contour: the same line the other way, with the object on the same hand.
             self.queue.push_front((drive.id, !drive.backwards));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Turn;
+    use super::super::testing::room_gone_along;
+    use super::*;
+    use crate::mapping::map::PlanLine;
+
+    #[test]
+    fn a_robot_that_mapped_things_stop_twice_in_one_place_is_not_where_it_believes() {
+        let (settings, mut map, mut tracker) = room_gone_along(0.3);
+        let mut survey = Survey::new(0.003);
+        survey.mark(settings.start.position, 0);
+        let lines = map.plan.iter_mut().flat_map(|plan| &mut plan.lines);
+        lines.for_each(|line: &mut PlanLine| line.status = LineStatus::Planned);
+        let mut tour = Tour::new(&settings, &map, &survey);
+        let (mut told, mut reason) = (Vec::new(), DoneReason::Complete);
+        // Whatever it sets out for, something stops it, and nothing that would be new is seen.
+        let astray = (0..100).any(|_| {
+            let rest = AtRest { pose: settings.start, closed: SwitchSet::EMPTY, reason };
+            let scene = &mut Scene {
+                tracker: &mut tracker,
+                survey: &mut survey,
+                rest,
+                map: &mut map,
+                tell: &mut told,
+            };
+            let turn = tour.next(scene);
+            reason = DoneReason::Stalled;
+            matches!(turn, Turn::Astray(_))
+        });
+        let ended = told.iter().filter(|kind| matches!(kind, EventKind::LineEnded { .. })).count();
+        assert!(astray && ended == 1, "{told:?}");
     }
 }

@@ -18,6 +18,9 @@ const SURELY: usize = 14;
 const LEAST_SEEN: usize = 6;
 /// Contacts nearer to the boundary than this may be its own, metres.
 const BESIDE_BOUNDARY: f64 = 0.08;
+/// A look sees the wall so much ahead and behind at most, metres: by twice that two looks a stride apart may leave
+/// out more of it than the stride.
+const AHEAD: f64 = 0.1;
 /// What is hidden behind an object is looked at in steps of this, metres.
 const STEP: f64 = 0.02;
 
@@ -117,8 +120,9 @@ impl Tour {
     }
 
     /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
-    /// last of them straight to the first, the boundary is always near, and each was made no farther than a
-    /// stride from one before. Where the pose is lost, what was followed may have been the boundary itself.
+    /// last of them straight to the first, the boundary is always near, and each was made no farther than
+    /// two looks a stride apart from one before. Where the pose is lost, what was followed may have been the
+    /// boundary itself.
     fn hides_behind(&self, contacts: &[Contact]) -> bool {
         let gap = self.chassis.passable_gap();
         let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
@@ -129,7 +133,7 @@ impl Tour {
             && (1..contacts.len()).all(|k| {
                 // Not from the one just before: a look sees ahead and behind by turns.
                 let off = |other: &Contact| (other.point - contacts[k].point).norm();
-                contacts[..k].iter().rev().any(|other| off(other) < LONGEST_STRIDE)
+                contacts[..k].iter().rev().any(|other| off(other) < LONGEST_STRIDE + 2.0 * AHEAD)
             })
     }
 }

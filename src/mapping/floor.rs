@@ -48,8 +48,6 @@ pub struct Floor {
     pub(crate) reach: f64,
     /// Half of the narrowest gap that the robot is sent through, metres.
     pub(crate) half_gap: f64,
-    /// The same between walls: half of the narrowest place at which the map does not end, metres.
-    pub(crate) half_strait: f64,
     walls: SegmentIndex,
     objects: SegmentIndex,
     /// Distance to the boundary, metres; negative outside.
@@ -83,7 +81,6 @@ impl Floor {
             radius: chassis.radius,
             reach: chassis.reach(),
             half_gap: chassis.passable_gap() / 2.0,
-            half_strait: chassis.strait() / 2.0,
             walls: SegmentIndex::new(wall_chords, BUCKET),
             objects: SegmentIndex::new(object_chords, BUCKET),
             wall,

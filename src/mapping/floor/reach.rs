@@ -48,16 +48,15 @@ impl Floor {
         }
     }
 
-    /// A place that is not drivable yet, behind a strait at which the map does not end: the robot has gone through
-    /// that. Past an object as near as that nobody has been.
+    /// A place that is not drivable yet, behind a narrow place between walls: the map does not end there, so the robot
+    /// has gone through that, however narrow it came out on the map. Past an object as near as that nobody has been.
     fn behind_a_strait(&self, wide: &[bool]) -> Option<Point> {
         self.pockets().into_iter().find_map(|pocket| {
-            let Narrow { at, width, between_walls } = pocket.narrow;
+            let Narrow { at, between_walls, .. } = pocket.narrow;
             let off = |&cell: &usize| (self.grid.point(cell) - at).norm_squared();
             let inner = pocket.cells.iter().copied().filter(|&cell| wide[cell]);
             let nearest = inner.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let passed = between_walls && width >= 2.0 * self.half_strait;
-            passed.then(|| self.grid.point(nearest))
+            between_walls.then(|| self.grid.point(nearest))
         })
     }
 
@@ -143,12 +142,21 @@ mod tests {
     use crate::geometry::Point;
 
     #[test]
-    fn a_gap_below_the_passable_one_closes_off_what_lies_behind() {
-        for (gap, open) in [(0.29, false), (0.31, true), (0.36, true)] {
-            let room = rooms::two_rooms(gap);
-            let floor = rooms::floor(&room, &[]);
+    fn a_gap_below_the_passable_one_beside_an_object_closes_off_what_lies_behind() {
+        let room = rooms::rectangle(5.0, 2.0);
+        for (gap, open) in [(0.29, false), (0.32, false), (0.36, true)] {
+            let board = rooms::boxed(2.0, gap, 2.1, 1.99);
+            let floor = rooms::floor(&room, &[&board]);
             assert!(floor.is_drivable(Point::new(0.5, 1.0)));
             assert_eq!(floor.is_drivable(Point::new(3.5, 1.0)), open, "behind a gap of {gap} m");
+        }
+    }
+
+    #[test]
+    fn what_is_on_the_map_behind_a_gap_between_walls_was_driven_round() {
+        for gap in [0.27, 0.31, 0.36] {
+            let floor = rooms::floor(&rooms::two_rooms(gap), &[]);
+            assert!(floor.is_drivable(Point::new(3.5, 1.0)), "behind a gap of {gap} m");
         }
     }
 

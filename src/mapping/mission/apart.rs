@@ -3,11 +3,12 @@
 
 use super::phases::REFINED;
 use super::{Mission, Output};
-use crate::geometry::{Piece, Ring};
+use crate::geometry::{Piece, Ring, Segment};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
 use crate::mapping::shape::{self, Enclosed, Loops, Thing};
 use crate::mapping::unreached::{Beyond, Unreached};
+use crate::mapping::wall::is_felt_on_both_hands;
 
 impl Mission {
     /// Makes objects of what the lap went round within the room; false when there is nothing.
@@ -63,7 +64,9 @@ impl Mission {
     /// Ends the map at straits; what remains of `outline`. What was seen behind them is kept by itself.
     pub(super) fn end_at_straits(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
         let here = [self.settings.start.position, self.tracker.pose().position];
-        let (rest, behind) = shape::cut_at_straits(outline, here, &self.settings.chassis);
+        let chassis = &self.settings.chassis;
+        let is_felt = |gate: &Segment| is_felt_on_both_hands(&self.way, chassis, gate);
+        let (rest, behind) = shape::cut_at_straits(outline, here, chassis, is_felt);
         let (there, walls): (Vec<Contact>, Vec<Contact>) =
             std::mem::take(&mut self.map.contacts).into_iter().partition(|contact| {
                 let off = |ring: &Ring| ring.distance(contact.point);

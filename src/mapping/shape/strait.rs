@@ -22,12 +22,18 @@ const END: f64 = 1e-6;
 
 /// The floor within `outline` as far as `here` can be reached from without passing a strait, and what lies behind
 /// each strait, counter-clockwise: the last piece of that is the chord across the strait, where it is narrowest. A
-/// strait between the places `here` is left, since the robot went from one to the other.
+/// strait between the places `here` is left, since the robot went from one to the other. So is one that `is_felt` to
+/// be none: its two sides may have been seen half a lap from each other, with the drift of that between them.
 #[must_use]
-pub fn cut_at_straits(outline: Ring, here: [Point; 2], chassis: &Chassis) -> (Ring, Vec<Ring>) {
+pub fn cut_at_straits(
+    outline: Ring,
+    here: [Point; 2],
+    chassis: &Chassis,
+    is_felt: impl Fn(&Segment) -> bool,
+) -> (Ring, Vec<Ring>) {
     let mut outline = outline;
     let mut behind = Vec::new();
-    while let Some((rest, beyond)) = first_cut(&outline, here, chassis) {
+    while let Some((rest, beyond)) = first_cut(&outline, here, chassis, &is_felt) {
         outline = rest;
         behind.push(beyond);
     }
@@ -43,13 +49,22 @@ struct Chord {
 }
 
 /// The two sides of the narrowest strait.
-fn first_cut(outline: &Ring, here: [Point; 2], chassis: &Chassis) -> Option<(Ring, Ring)> {
+fn first_cut(
+    outline: &Ring,
+    here: [Point; 2],
+    chassis: &Chassis,
+    is_felt: &impl Fn(&Segment) -> bool,
+) -> Option<(Ring, Ring)> {
     // An arc that comes towards the other side is narrowest somewhere along it.
     let fine = Ring { pieces: outline.pieces.iter().flat_map(stepped).collect() };
     let walls = SegmentIndex::new(chords(&fine, SAGITTA), BUCKET);
     let mut all = across(&fine, &walls, chassis.strait());
     all.sort_by(|one, other| one.length.total_cmp(&other.length));
-    all.iter().find_map(|chord| {
+    let is_strait = |chord: &&Chord| {
+        let (from, to) = (&fine.pieces[chord.from], &fine.pieces[chord.to]);
+        is_felt(&Segment::new(from.from(), to.at(chord.t)))
+    };
+    all.iter().filter(is_strait).find_map(|chord| {
         let (left, right) = split(&fine, chord);
         let (rest, beyond) = if left.contains(here[0]) { (left, right) } else { (right, left) };
         let both = here.iter().all(|p| rest.contains(*p));
@@ -178,7 +193,7 @@ mod tests {
     }
 
     fn cut(room: Ring, here: [(f64, f64); 2]) -> (Ring, Vec<Ring>) {
-        cut_at_straits(room, here.map(|(x, y)| Point::new(x, y)), &Chassis::default())
+        cut_at_straits(room, here.map(|(x, y)| Point::new(x, y)), &Chassis::default(), |_| true)
     }
 
     #[test]
@@ -191,6 +206,13 @@ mod tests {
         let strait = behind[0].pieces.last().expect("a chord");
         assert!((strait.length() - 0.28).abs() < 1e-9);
         assert!(rest.distance(strait.at(0.5)) < 1e-9, "it is of both");
+    }
+
+    #[test]
+    fn where_it_is_not_felt_on_both_hands_it_is_none() {
+        let here = [Point::new(0.5, 0.5), Point::new(1.5, 1.0)];
+        let felt = |gate: &Segment| gate.distance_squared(Point::new(2.05, 1.0)) > 0.1;
+        assert!(cut_at_straits(rooms(0.28), here, &Chassis::default(), felt).1.is_empty());
     }
 
     #[test]

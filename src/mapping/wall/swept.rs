@@ -3,7 +3,7 @@
 
 use super::Wall;
 use crate::geometry::raster::Grid;
-use crate::geometry::{Point, Pose, angle};
+use crate::geometry::{Point, Pose, Segment, angle};
 use crate::mapping::drift::Unwound;
 use crate::robot::{Chassis, SwitchSet};
 
@@ -15,6 +15,11 @@ const RIM: f64 = 0.005;
 const LONGEST: f64 = 0.1;
 /// Less than this is no way, metres, and no turn, radians.
 const STILL: f64 = 1e-3;
+
+/// A stroke as near as this to a gate leads through it, metres.
+const NEAR: f64 = 0.1;
+/// A beam across the way is one whose direction has at least this share of that across.
+const ACROSS: f64 = 0.7;
 
 /// A stretch of the way: on, or round on the spot, with the same switches closed all the while.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,6 +113,22 @@ impl Wall {
             *stroke = stroke.unwound(unwound);
         }
     }
+}
+
+/// Whether on the way of `strokes`, where that leads through `gate`, switches were closed on both hands at once,
+/// towards either end of it: it is not much wider then than body and reach on both sides.
+#[must_use]
+pub fn is_felt_on_both_hands(strokes: &[Stroke], chassis: &Chassis, gate: &Segment) -> bool {
+    let along = gate.along.normalize();
+    let through =
+        strokes.iter().filter(|stroke| gate.distance_squared(stroke.middle()) < NEAR * NEAR);
+    through.flat_map(|stroke| stroke.poses(LONGEST, 0.0).map(|pose| (stroke.closed, pose))).any(
+        |(closed, pose)| {
+            let beam = |k: usize| angle::unit(pose.heading + chassis.sensors[k].angle).dot(&along);
+            let towards = |sign: f64| closed.iter().any(|k| sign * beam(k) > ACROSS);
+            towards(1.0) && towards(-1.0)
+        },
+    )
 }
 
 /// Which cells of `grid` lie where the body of a robot with `chassis` has been on the way of `strokes`, or its
@@ -232,5 +253,26 @@ mod tests {
         }
         assert_eq!(wall.strokes().len(), 2, "{:?}", wall.strokes());
         assert!((wall.strokes()[0].turned - 0.4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_gate_is_felt_where_switches_are_closed_towards_both_of_its_ends() {
+        let chassis = Chassis::default();
+        let across = |sign: f64| {
+            let off = |angle: f64| (angle - sign * angle::FRAC_PI_2).abs();
+            chassis.sensors.iter().position(|mount| off(mount.angle) < 0.01).expect("a switch")
+        };
+        let (left, right) = (SwitchSet::only(across(1.0)), across(-1.0));
+        let felt = |closed: SwitchSet, x: f64| {
+            let mut wall = Wall::new(&chassis);
+            for k in 0..40 {
+                wall.carve(Pose::new(f64::from(k) * 0.02, 0.0, 0.0), closed, 0.0, 0);
+            }
+            let gate = Segment::new(Point::new(x, -0.14), Point::new(x, 0.14));
+            is_felt_on_both_hands(wall.strokes(), &chassis, &gate)
+        };
+        assert!(felt(left.with(right, true), 0.4));
+        assert!(!felt(left, 0.4) && !felt(SwitchSet::EMPTY, 0.4), "on one hand at most");
+        assert!(!felt(left.with(right, true), 1.5), "it was not there");
     }
 }

@@ -40,6 +40,7 @@ use bearings::Feeling;
 pub use doubt::Astray;
 use doubt::Doubt;
 use drive::Drive;
+use line::Stops;
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 use sureness::Sureness;
@@ -118,8 +119,8 @@ pub struct Tour {
     tied: Vec<(Point, Vector)>,
     /// Where what is mapped left the robot no way out.
     shut_in: Vec<Point>,
-    /// Where the last line was given up because what is mapped stopped the robot.
-    stopped_at: Option<Point>,
+    /// Where lines were given up because what is mapped stopped the robot.
+    stops: Stops,
     /// When the contact was made that corrected the pose last, microseconds of robot time.
     fixed_by: Option<u64>,
     /// Since when the robot's place is not sure beyond doubt, and what was done since.
@@ -178,7 +179,7 @@ impl Tour {
             to_tie: None,
             tied: Vec::new(),
             shut_in: Vec::new(),
-            stopped_at: None,
+            stops: Stops::default(),
             fixed_by: None,
             sure: Sureness::default(),
             doubts: Vec::new(),

@@ -16,8 +16,31 @@ use std::collections::VecDeque;
 const NOTED: f64 = 0.05;
 
 /// Stopped so near to where the line before was given up, metres, by what the map has elsewhere, the robot is not
-/// where it believes it is.
+/// where it believes it is ...
 const SAME_STOP: f64 = 0.1;
+/// ... and if it was, and is stopped again no farther off than this, metres, a thing is mapped too small.
+const TOO_SMALL: f64 = 0.6;
+
+/// Where lines were given up because what is mapped stopped the robot.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Stops {
+    last: Option<Point>,
+    /// Where that made it doubt its place.
+    odd: Vec<Point>,
+}
+
+impl Stops {
+    /// One more, and whether that says that the robot is somewhere else.
+    fn are_odd(&mut self, here: Point) -> bool {
+        let near = |p: &Point, within: f64| (p - here).norm() < within;
+        let again = self.last.replace(here).is_some_and(|p| near(&p, SAME_STOP));
+        let odd = again && !self.odd.iter().any(|p| near(p, TOO_SMALL));
+        if odd {
+            self.odd.push(here);
+        }
+        odd
+    }
+}
 
 impl Tour {
     pub(super) fn drive(
@@ -99,8 +122,7 @@ impl Tour {
             });
         }
         let here = scene.rest.pose.position;
-        let before = self.stopped_at.replace(here);
-        if before.is_some_and(|p| (p - here).norm() < SAME_STOP) && self.may_doubt_again() {
+        if self.stops.are_odd(here) && self.may_doubt_again() {
             self.doing = Doing::Driving(drive);
             self.go_astray(here, None, scene);
             return None;
@@ -232,6 +254,13 @@ mod tests {
     use super::super::testing::room_gone_along;
     use super::*;
     use crate::mapping::map::PlanLine;
+
+    #[test]
+    fn stops_are_odd_where_two_in_a_row_are_in_one_place_and_once_there() {
+        let mut stops = Stops::default();
+        let odd = [0.0, 0.5, 0.52, 0.5, 0.55, 3.0, 3.05].map(|x| stops.are_odd(Point::new(x, 0.0)));
+        assert_eq!(odd, [false, false, true, false, false, false, true]);
+    }
 
     #[test]
     fn a_robot_that_mapped_things_stop_twice_in_one_place_is_not_where_it_believes() {

@@ -81,9 +81,11 @@ fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
     let bearings: Vec<f64> = contacts.iter().map(|c| angle::of(c.point - c.from)).collect();
     let is_alike = |i: usize, k: usize| angle::wrap(bearings[i] - bearings[k]).abs() < SAME_SIDE;
     let pairs = (0..contacts.len()).flat_map(|i| (i + 1..contacts.len()).map(move |k| (i, k)));
-    pairs
-        .filter(|&(i, k)| is_alike(i, k) && is_past(i, k) && is_round(i, k))
-        .min_by_key(|&(i, k)| k - i)
+    let mut back: Vec<(usize, usize)> =
+        pairs.filter(|&(i, k)| is_alike(i, k) && is_past(i, k)).collect();
+    // What is a round takes long to tell: the shortest are asked first.
+    back.sort_by_key(|&(i, k)| k - i);
+    back.into_iter().find(|&(i, k)| is_round(i, k))
 }
 
 #[cfg(test)]

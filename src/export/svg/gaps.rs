@@ -19,7 +19,7 @@ pub(super) fn draw(scene: &Scene<'_>) -> String {
             Some(_) => narrow.push_str(&frame.single(&across(gap, record, &ring))),
         }
     }
-    // Nor of a wall across a strait.
+    // A strait has its bar already, and no wall across it.
     for mouth in map.beyond.iter().filter_map(Beyond::mouth) {
         floor.push_str(&frame.single(&stretch(&mouth, &ring)));
     }
@@ -53,8 +53,8 @@ fn stretch(gap: &Unreached, ring: &Ring) -> Piece {
 
 /// The narrowest place, from one side to the other.
 fn across(gap: &Unreached, record: &RunRecord<'_>, ring: &Ring) -> Piece {
-    let straits = record.map.beyond.iter().filter_map(Beyond::mouth);
-    if let Some(mouth) = straits.into_iter().find(|mouth| mouth.at == gap.at) {
+    let mut straits = record.map.beyond.iter().filter_map(Beyond::mouth);
+    if let Some(mouth) = straits.find(|mouth| mouth.at == gap.at) {
         return stretch(&mouth, ring);
     }
     let rings = record.map.objects.iter().map(|object| &object.outline).chain([ring]);

@@ -64,12 +64,14 @@ impl Floor {
     fn narrowest(&self, cells: &[usize]) -> Option<Narrow> {
         let mut narrow: Vec<f32> = vec![0.0; self.grid.len()];
         let mut at: Vec<usize> = (0..self.grid.len()).collect();
+        // Clearances on a way are positive, and the bits of positive floats order as they do.
         let mut heap = BinaryHeap::new();
         for &cell in cells {
             narrow[cell] = self.free[cell];
-            heap.push((Wide(self.free[cell]), cell));
+            heap.push((self.free[cell].to_bits(), cell));
         }
-        while let Some((Wide(free), cell)) = heap.pop() {
+        while let Some((bits, cell)) = heap.pop() {
+            let free = f32::from_bits(bits);
             if free < narrow[cell] {
                 continue;
             }
@@ -81,7 +83,7 @@ impl Floor {
                 if through > narrow[near] {
                     narrow[near] = through;
                     at[near] = if self.free[near] < free { near } else { at[cell] };
-                    heap.push((Wide(through), near));
+                    heap.push((through.to_bits(), near));
                 }
             }
         }
@@ -106,23 +108,5 @@ impl Floor {
         let feet = all.map(|segment| p - segment.nearest(p));
         let nearest = feet.min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
         nearest.and_then(|off| off.try_normalize(1e-9)).unwrap_or_else(Vector::x)
-    }
-}
-
-/// A clearance that can be ordered.
-#[derive(Clone, Copy, PartialEq)]
-struct Wide(f32);
-
-impl Eq for Wide {}
-
-impl PartialOrd for Wide {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Wide {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
     }
 }

@@ -22,8 +22,9 @@ const END: f64 = 1e-6;
 
 /// The floor within `outline` as far as `here` can be reached from without passing a strait, and what lies behind
 /// each strait, counter-clockwise: the last piece of that is the chord across the strait, where it is narrowest. A
-/// strait between the places `here` is left, since the robot went from one to the other. So is one that `is_felt` to
-/// be none: its two sides may have been seen half a lap from each other, with the drift of that between them.
+/// strait between the places `here` is left, since the robot went from one to the other. So is one that
+/// was not felt as one (`is_felt`): its two sides may have been seen half a lap from each other, with the drift of
+/// that between them.
 #[must_use]
 pub fn cut_at_straits(
     outline: Ring,

@@ -28,6 +28,7 @@ pub mod smooth;
 pub mod square;
 pub mod survey;
 pub mod tape;
+pub mod thin;
 pub mod tour;
 pub mod trust;
 pub mod unreached;

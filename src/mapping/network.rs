@@ -12,7 +12,7 @@
 //! lies on its surface. What surface that is, is taken from the map: at first from farther off, for where the
 //! robot had doubted its place everything it saw was off together, then closer, as it fits better ([`WITHIN`];
 //! iterative closest point, Chen and Medioni 1992, from coarse to fine). `record` keeps the observations,
-//! `dither` says how much those on the way tell, `surface` keeps the unknown surfaces, `equation` writes the
+//! `dither` says how much those on the way tell, `surface` keeps the unknown surfaces, `thin` keeps the faces of thin walls apart, `equation` writes the
 //! equations, `chain` solves them.
 //!
 //! It refuses to know what becomes of the map: it says where the robot was, and how a contact follows.
@@ -22,6 +22,7 @@ mod dither;
 mod equation;
 mod record;
 mod surface;
+mod thin;
 
 pub use record::{Glance, Reading, Rest};
 
@@ -170,6 +171,7 @@ impl Network {
         let mut unknowns = Unknowns::new(rests, &before, given.bias, given.beams.len());
         for round in 0..ROUNDS {
             let rough = round == 0;
+            surfaces.look_through();
             let (change, border) = robot.equations(&read, &unknowns, &surfaces, rough).solve()?;
             unknowns.take(&change, &border);
             surfaces.take(&border.as_slice()[robot.surfaces()..]);

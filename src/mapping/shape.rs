@@ -26,6 +26,7 @@ mod strait;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod through;
 
 pub use assemble::Loops;
 pub use chord::mouths;
@@ -35,6 +36,7 @@ pub use neck::{islands, shared_out};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 pub use spur::without_spurs;
 pub use strait::cut_at_straits;
+pub use through::{Through, faces_through_each_other};
 
 use self::chord::{Floor, SHORTEST, is_chord};
 use self::corner::Judge;

@@ -10,7 +10,7 @@
 
 use super::map::{Contact, ContactKind};
 use super::survey::{Look, Survey};
-use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
+use crate::geometry::{Piece, Point, Ring, Vector, angle, cross, perp};
 
 /// Shorter pieces say nothing of headings, metres.
 const LEAST_LENGTH: f64 = 0.4;
@@ -32,9 +32,15 @@ pub fn smooth(survey: &mut Survey, knots: usize, outline: &Ring, contacts: &[Con
     if survey.is_smoothed() {
         return false;
     }
+    // On which side of the outline, gone along as it is listed, the robot was.
+    let within = contacts.iter().filter(|contact| outline.contains(contact.from)).count();
+    let floor = outline.area() * if 2 * within > contacts.len() { 1.0 } else { -1.0 };
     let mut of_piece: Vec<Vec<&Contact>> = vec![Vec::new(); outline.pieces.len()];
     for contact in contacts.iter().filter(|c| c.kind == ContactKind::Range) {
-        if let Some(foot) = outline.nearest(contact.point)
+        // The other face of a thin wall may be the nearer one.
+        let towards = contact.from - contact.point;
+        let faces = |piece: &Piece, t: f64| floor * cross(piece.tangent(t), towards) > 0.0;
+        if let Some(foot) = outline.nearest_where(contact.point, faces)
             && foot.distance < FARTHEST
         {
             of_piece[foot.piece].push(contact);

@@ -75,6 +75,14 @@ pub struct Tie {
     share: f64,
 }
 
+impl Tie {
+    /// The knots that it hangs on.
+    #[must_use]
+    pub fn knots(&self) -> [usize; 2] {
+        [self.first, self.second]
+    }
+}
+
 /// What is believed of the robot's own errors: what has to be added to what gyro and wheels say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Own {

@@ -32,6 +32,8 @@ const ROUND_A_THING: usize = 2;
 const ALIKE: usize = 2;
 /// By what share rounds that are alike may differ in length.
 const STRETCHED: f64 = 0.04;
+/// Rounds in one pocket are no more than so many times as long as each other.
+const AS_LONG: f64 = 1.5;
 /// A lap begins anew no more often: where it began may be another place that it will leave.
 const MOST_BEGINNINGS: u32 = 3;
 /// Squeezing has not led out of it when the robot is still there after so many metres; by the way it came it
@@ -60,7 +62,10 @@ impl Circuit {
             self.follower.squeeze(false);
         } else if self.squeezing.is_none() && astray >= ASTRAY {
             self.squeezing = Some(now.travelled);
-            self.pocket = Some(Pocket::after(self.pocket, earliest, now.travelled));
+            // Side by side in a maze the robot may have been in one corridor after the other, and not in any again.
+            if are_as_long(&visited(&self.trail, away)) {
+                self.pocket = Some(Pocket::after(self.pocket, earliest, now.travelled));
+            }
             self.follower.squeeze(true);
         }
         let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
@@ -168,6 +173,15 @@ fn visited(trail: &[Anchor], count: impl Fn(&Anchor) -> bool) -> Vec<&Anchor> {
     visits
 }
 
+/// Whether rounds that led from one of the `visits` to the next are about as long as each other.
+fn are_as_long(visits: &[&Anchor]) -> bool {
+    let rounds = visits.windows(2).map(|two| two[0].travelled - two[1].travelled);
+    let (least, most) = rounds.fold((f64::INFINITY, 0.0), |(least, most), round| {
+        (f64::min(least, round), f64::max(most, round))
+    });
+    most < AS_LONG * least
+}
+
 /// How many of the last rounds went about the outside of something, on the robot's `side`.
 fn goes_round(trail: &[Anchor], side: Side, count: impl Fn(&Anchor) -> bool) -> usize {
     let about =
@@ -225,6 +239,15 @@ mod tests {
         }
         let left = |place: &Anchor| place.pose.position.x < 0.9;
         assert_eq!(visits(&circling(3.2, 0.0), left).0, 0);
+    }
+
+    #[test]
+    fn places_that_only_look_the_same_are_no_rounds_of_one_pocket() {
+        let trail = circling(3.2, 0.0);
+        assert!(are_as_long(&visited(&trail, |_| true)));
+        let at = |k: usize| &trail[k];
+        assert!(!are_as_long(&[at(200), at(140), at(40)]), "6 m and 10 m");
+        assert!(are_as_long(&[at(200), at(140), at(60)]), "6 m and 8 m");
     }
 
     #[test]

@@ -17,6 +17,7 @@ use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap}
 use crate::mapping::shape::{self, Loops};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
+use crate::mapping::thin::part;
 use crate::mapping::tour::{Scene, Tour, Turn};
 use crate::mapping::unreached::{Unreached, unreached};
 
@@ -30,6 +31,9 @@ pub(super) const REFINED: f64 = 0.05;
 
 /// Places of the lap whose doubt is looked at, at most.
 const MOST_DOUBTS: usize = 40;
+
+/// Faces are parted at most so often; each time others may turn out to lie through each other.
+const PARTINGS: u32 = 4;
 
 /// A taped length is laid on the map at most so often; each time the outline is fitted anew.
 const TAPINGS: u32 = 4;
@@ -279,8 +283,26 @@ impl Mission {
 
     /// The outline after its own smooth walls have straightened the lap.
     fn straight_outline(&mut self) -> Result<Ring, Failure> {
+        self.part_faces();
         let outline = self.fitted_outline()?;
-        if self.straighten(&outline) { self.fitted_outline() } else { Ok(outline) }
+        if !self.straighten(&outline) {
+            return Ok(outline);
+        }
+        self.part_faces();
+        self.fitted_outline()
+    }
+
+    /// Lets the thin walls of the lap, whose faces noise has laid through each other, part them.
+    fn part_faces(&mut self) {
+        let reach = self.settings.chassis.reach();
+        for _ in 0..PARTINGS {
+            let knots = self.survey.knots();
+            if !part(&mut self.survey, knots, &self.map.contacts, reach) {
+                return;
+            }
+            self.place_contacts();
+            self.settle(u64::MAX);
+        }
     }
 
     /// Whether the fit has made an outline, of the room that the robot drove in.

@@ -160,6 +160,9 @@ impl Robot {
             let read = Equation::of(at.wheels[k + 1] - pair[1].reading.against, self.rounding);
             normal.add(&read.node(k + 1, WHEELS_TURN));
         }
+        for apart in surfaces.apart(self.surfaces()) {
+            normal.add(&apart);
+        }
         for it in passed {
             normal.add(&self.passed(it, rests, at));
         }

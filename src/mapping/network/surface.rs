@@ -1,6 +1,7 @@
 //! The surfaces of the map as unknowns, and which contact is of which.
 
 use super::record::Glance;
+use super::thin::Through;
 use super::{CLOSE, Given};
 use crate::geometry::{Piece, Point, Pose, Ring, Vector, angle, perp};
 use crate::mapping::map::{Contact, ContactKind};
@@ -83,6 +84,10 @@ pub(super) struct Surfaces {
     pub(super) sd: Vec<f64>,
     /// Which surface each of the glances is of.
     pub(super) of: Vec<Option<usize>>,
+    /// On which side of its normal the floor is (1 or -1), and the two places farthest apart that were seen of it.
+    pub(super) seen: Vec<(f64, (Point, Point))>,
+    /// Where two of them were found to lie through each other.
+    pub(super) through: Vec<Through>,
 }
 
 impl Surfaces {
@@ -120,12 +125,22 @@ impl Surfaces {
                 of_piece.entry((ring, piece)).or_default().push(k);
             }
         }
-        let mut surfaces = Self { all: Vec::new(), sd: Vec::new(), of: vec![None; glances.len()] };
+        let mut surfaces = Self {
+            all: Vec::new(),
+            sd: Vec::new(),
+            of: vec![None; glances.len()],
+            seen: Vec::new(),
+            through: Vec::new(),
+        };
         for ((ring, piece), seen) in of_piece {
             if seen.len() < FEWEST {
                 continue;
             }
-            let surface = Surface::of(&rings[ring].0.pieces[piece]);
+            let (outline, floor) = rings[ring];
+            let surface = Surface::of(&outline.pieces[piece]);
+            let places =
+                seen.iter().map(|k| poses[*k].position + poses[*k].rotate(glances[*k].arm));
+            surfaces.seen.push((floor, span(&outline.pieces[piece], places)));
             let scatter = scatter(&surface, &seen, glances, &mapped);
             for k in seen {
                 surfaces.of[k] = Some(surfaces.all.len());
@@ -180,6 +195,23 @@ fn mapped_contacts(given: &Given<'_>) -> BTreeMap<(u64, usize), Seen> {
     all.filter(|contact| contact.kind == ContactKind::Range)
         .filter_map(|contact| Some((key(contact)?, Seen { at: contact.point, from: contact.from })))
         .collect()
+}
+
+/// The two of `places` that lie farthest apart along `piece`.
+fn span(piece: &Piece, places: impl Iterator<Item = Point>) -> (Point, Point) {
+    let along = piece.tangent(0.5);
+    let middle = piece.at(0.5);
+    let mut span = (middle, middle);
+    for place in places {
+        let s = along.dot(&(place - middle));
+        if s < along.dot(&(span.0 - middle)) {
+            span.0 = place;
+        }
+        if s > along.dot(&(span.1 - middle)) {
+            span.1 = place;
+        }
+    }
+    span
 }
 
 /// How far the contacts that made a surface lie off it, root mean square, metres.

@@ -20,8 +20,18 @@ pub(super) fn lines(entries: &mut Entries<'_>, index: usize, part: &Part, alpha:
     if part.class == PartClass::Circle {
         diameters(entries, index, center, radius, alpha, seed);
     } else {
-        radii(entries, index, part, center, alpha);
+        radii(entries, index, part, middle(part, center), alpha);
     }
+}
+
+/// Where the radii of a `part` lead to: the centre of its circle; of half a disc the middle of its straight side,
+/// which a fit has some millimetres before or behind the centre. Behind the side no radius would stay in the part.
+fn middle(part: &Part, center: Point) -> Point {
+    let straight = part.ring.pieces.iter().filter(|piece| matches!(piece, Piece::Line { .. }));
+    let feet = straight.map(|piece| piece.at(piece.nearest(center)));
+    let nearest =
+        feet.min_by(|a, b| (a - center).norm_squared().total_cmp(&(b - center).norm_squared()));
+    nearest.filter(|_| part.class == PartClass::Semicircle).unwrap_or(center)
 }
 
 /// Diameters from a random point on, clockwise by arcs of α, until a point comes again.
@@ -171,5 +181,26 @@ mod tests {
         assert!(lines.iter().all(|line| line.end == center));
         shape.parts[0].cut = vec![true, false];
         assert_eq!(along(&plan(&shape, 0.5, 1)), 0, "along a cut they stay");
+    }
+
+    #[test]
+    fn of_half_a_disc_that_is_a_little_less_or_more_the_radii_lead_to_its_straight_side() {
+        for over in [-0.02, -0.002, 0.002, 0.02_f64] {
+            let half = (1.0 - over * over).sqrt();
+            let (left, right) =
+                (Point::new(2.0 - 2.0 * half, 0.0), Point::new(2.0 + 2.0 * half, 0.0));
+            let ring = Ring {
+                pieces: vec![
+                    Piece::Line { from: left, to: right },
+                    Piece::with_bulge(right, left, (1.0 + over) / half),
+                ],
+            };
+            let Piece::Arc { center, radius, .. } = ring.pieces[1] else { panic!("an arc") };
+            assert!((center.y - 2.0 * over).abs() < 1e-9 && (radius - 2.0).abs() < 1e-9);
+            let lines = plan(&round(PartClass::Semicircle, &ring, center, radius), 0.5, 1);
+            let kept: Vec<&PlanLine> = lines.iter().filter(|line| line.reason.is_none()).collect();
+            assert!((12..=14).contains(&kept.len()), "{} of {} by {over}", kept.len(), lines.len());
+            assert!(kept.iter().all(|line| line.end.y.abs() < 1e-9), "by {over}");
+        }
     }
 }

@@ -8,8 +8,9 @@ use super::round::once_round;
 use crate::geometry::{Point, Vector, cross};
 use crate::mapping::map::{Contact, ContactKind};
 
-/// How far a contact may be moved in the order, in places.
-const WINDOW: usize = 64;
+/// How far a contact may be moved in the order, in places: at once, or first not far. What a swing of the robot
+/// saw in no order finds its place near by then, and not on the other face of a thin wall.
+const WINDOWS: [&[usize]; 2] = [&[64], &[12, 64]];
 /// How long a stretch may be reversed, in places.
 const REVERSED: usize = 24;
 /// Longest stretch that is moved as one.
@@ -120,26 +121,39 @@ impl Lifted {
     }
 }
 
-/// Shortens the way through the contacts by reversing and moving short stretches; the ends stay.
+/// Shortens the way through the contacts by reversing and moving short stretches; the ends stay. No such way
+/// is sure to be the shortest: of those that are found the shorter one counts.
 fn shorten(contacts: &mut Vec<Contact>) {
-    let mut order: Vec<usize> = (0..contacts.len()).collect();
     let lifted: Vec<Lifted> = contacts.iter().map(Lifted::of).collect();
-    for _ in 0..8 {
-        let reversed = reverse_stretches(&mut order, &lifted);
-        let moved = move_stretches(&mut order, &lifted);
-        if !reversed && !moved {
-            break;
-        }
+    let length = |order: &Vec<usize>| -> f64 {
+        order.windows(2).map(|two| lifted[two[0]].distance(&lifted[two[1]])).sum()
+    };
+    let orders = WINDOWS.map(|windows| shortened(&lifted, windows));
+    if let Some(order) = orders.iter().min_by(|a, b| length(a).total_cmp(&length(b))) {
+        *contacts = order.iter().map(|&k| contacts[k]).collect();
     }
-    *contacts = order.iter().map(|&k| contacts[k]).collect();
 }
 
-fn reverse_stretches(order: &mut [usize], lifted: &[Lifted]) -> bool {
+fn shortened(lifted: &[Lifted], windows: &[usize]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..lifted.len()).collect();
+    for &window in windows {
+        for _ in 0..8 {
+            let reversed = reverse_stretches(&mut order, lifted, window);
+            let moved = move_stretches(&mut order, lifted, window);
+            if !reversed && !moved {
+                break;
+            }
+        }
+    }
+    order
+}
+
+fn reverse_stretches(order: &mut [usize], lifted: &[Lifted], window: usize) -> bool {
     let distance = |a: usize, b: usize| lifted[a].distance(&lifted[b]);
     let mut improved = false;
     for i in 0..order.len().saturating_sub(3) {
         let before = distance(order[i], order[i + 1]);
-        for k in i + 2..(i + REVERSED).min(order.len() - 1) {
+        for k in i + 2..(i + REVERSED.min(window)).min(order.len() - 1) {
             let joined = distance(order[i], order[k]);
             if joined >= before {
                 continue;
@@ -157,18 +171,23 @@ fn reverse_stretches(order: &mut [usize], lifted: &[Lifted]) -> bool {
     improved
 }
 
-fn move_stretches(order: &mut [usize], lifted: &[Lifted]) -> bool {
+fn move_stretches(order: &mut [usize], lifted: &[Lifted], window: usize) -> bool {
     let mut improved = false;
     for length in 1..=CHAIN {
         for at in 1..order.len().saturating_sub(length + 1) {
-            improved |= move_stretch(order, lifted, at, length);
+            improved |= move_stretch(order, lifted, (at, length), window);
         }
     }
     improved
 }
 
-/// Moves the stretch of `length` contacts at `at` to the best place within the window.
-fn move_stretch(order: &mut [usize], lifted: &[Lifted], at: usize, length: usize) -> bool {
+/// Moves the stretch of `length` contacts at `at` to the best place within the `window`.
+fn move_stretch(
+    order: &mut [usize],
+    lifted: &[Lifted],
+    (at, length): (usize, usize),
+    window: usize,
+) -> bool {
     let distance = |a: usize, b: usize| lifted[a].distance(&lifted[b]);
     let (before, after) = (order[at - 1], order[at + length]);
     let (head, tail) = (order[at], order[at + length - 1]);
@@ -176,8 +195,8 @@ fn move_stretch(order: &mut [usize], lifted: &[Lifted], at: usize, length: usize
     if gain < 1e-7 {
         return false;
     }
-    let low = at.saturating_sub(WINDOW);
-    let high = (at + length + WINDOW).min(order.len() - 1);
+    let low = at.saturating_sub(window);
+    let high = (at + length + window).min(order.len() - 1);
     let mut best = (gain - 1e-7, None);
     for k in (low..at - 1).chain(at + length..high) {
         let (left, right) = (order[k], order[k + 1]);

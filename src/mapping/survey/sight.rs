@@ -137,6 +137,18 @@ impl Survey {
         self.spread(&row)
     }
 
+    /// Moves `far` away from `near` along the normal of that, `by` so many metres, which is as sure as `near`.
+    pub fn part(&mut self, near: &Surface, far: &Surface, by: f64) {
+        self.settle();
+        let mut row = self.across(far, near.normal, 1.0).to_vec();
+        row.extend(self.across(near, near.normal, -1.0));
+        let innovation = by - self.expected(&row);
+        let variance = near.sd * near.sd;
+        if innovation * innovation < GATE * GATE * (self.spread(&row) + variance) {
+            self.update(&row, innovation, variance);
+        }
+    }
+
     /// What is `off` a surface along `normal`, at `point` as believed when its knots were marked;
     /// `surface` says how that surface moves off with its unknowns.
     #[must_use]

@@ -16,6 +16,7 @@ use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
 use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie, worse};
+use super::thin::{PARTINGS, part};
 use super::wall::{Sighting, Stretch, Wall};
 use crate::geometry::{Point, Pose, Ring, angle, cross};
 use nalgebra::{Matrix3, Vector3};
@@ -286,6 +287,9 @@ type Lap<'a> = (Closure, &'a Overlap, &'a [Sighting]);
 #[derive(Debug, Clone)]
 pub struct Adjustment {
     survey: Survey,
+    /// The survey as it was each time that its corrections were taken for the new beginning: what is placed goes
+    /// through all of them.
+    before: Vec<Survey>,
 }
 
 impl Adjustment {
@@ -334,7 +338,21 @@ impl Adjustment {
                 overlap.close(&mut survey, &from, &to, lap.to.pose.position);
             }
         }
-        Self { survey }
+        Self { survey, before: Vec::new() }
+    }
+
+    /// Lets the faces of thin walls that lie through each other part the way: `contacts` are those of the
+    /// adjusted lap and move along, `reach` is body radius plus range of the switches, metres (see `thin`).
+    pub fn part(&mut self, contacts: &mut [Contact], reach: f64) {
+        for _ in 0..PARTINGS {
+            self.rebase();
+            let knots = self.survey.knots();
+            if !part(&mut self.survey, knots, contacts, reach) {
+                self.before.pop();
+                return;
+            }
+            self.carry(contacts);
+        }
     }
 
     /// Lets the smooth faces of what was gone round straighten the way: `contacts` are those of the
@@ -345,13 +363,23 @@ impl Adjustment {
         contacts: &mut [Contact],
         outlines: impl IntoIterator<Item = &'a Ring>,
     ) {
-        self.survey.rebase();
+        self.rebase();
         let knots = self.survey.knots();
         for outline in outlines {
             smooth(&mut self.survey, knots, outline, contacts);
         }
+        self.carry(contacts);
+    }
+
+    fn rebase(&mut self) {
+        self.before.push(self.survey.clone());
+        self.survey.rebase();
+    }
+
+    /// Moves `contacts` by what was learnt since the last beginning.
+    fn carry(&self, contacts: &mut [Contact]) {
         for contact in contacts {
-            let tie = self.tie(contact.time_us());
+            let tie = self.survey.tie(contact.time_us(), self.survey.knots());
             contact.point += self.survey.displacement(contact.point, &tie);
             contact.from += self.survey.displacement(contact.from, &tie);
         }
@@ -363,20 +391,23 @@ impl Adjustment {
         self.survey
     }
 
-    fn tie(&self, time_us: u64) -> Tie {
-        self.survey.tie(time_us, self.survey.knots())
+    fn surveys(&self) -> impl Iterator<Item = &Survey> {
+        self.before.iter().chain(std::iter::once(&self.survey))
     }
 
     /// Where a point goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn place(&self, point: Point, time_us: u64) -> Point {
-        point + self.survey.displacement(point, &self.tie(time_us))
+        self.surveys().fold(point, |at, survey| {
+            at + survey.displacement(at, &survey.tie(time_us, survey.knots()))
+        })
     }
 
     /// Where a pose goes that was tied to the raw trajectory at `time_us`.
     #[must_use]
     pub fn pose(&self, pose: Pose, time_us: u64) -> Pose {
-        self.survey.place(pose, &self.tie(time_us))
+        self.surveys()
+            .fold(pose, |at, survey| survey.place(at, &survey.tie(time_us, survey.knots())))
     }
 }
 

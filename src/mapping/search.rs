@@ -3,7 +3,7 @@
 
 mod lap;
 
-pub use lap::{lap_contacts, lap_strokes, lap_things, whole_lap};
+pub use lap::{lap_contacts, lap_strokes, lap_things, straight_contacts, whole_lap};
 
 use super::adjust::Adjustment;
 use super::circuit::{Circuit, Closure, Leg};

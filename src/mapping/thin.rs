@@ -17,6 +17,9 @@ pub const THICKNESS: f64 = 0.008;
 /// How well that is known, metres.
 pub const THICKNESS_SD: f64 = 0.006;
 
+/// Faces are parted at most so often; each time others may turn out to lie through each other.
+pub const PARTINGS: u32 = 4;
+
 /// What was seen between one and the same knots, added up.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {

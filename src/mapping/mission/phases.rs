@@ -17,7 +17,7 @@ use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap}
 use crate::mapping::shape::{self, Loops};
 use crate::mapping::smooth::smooth;
 use crate::mapping::tape::Taped;
-use crate::mapping::thin::part;
+use crate::mapping::thin::{PARTINGS, part};
 use crate::mapping::tour::{Scene, Tour, Turn};
 use crate::mapping::unreached::{Unreached, unreached};
 
@@ -31,9 +31,6 @@ pub(super) const REFINED: f64 = 0.05;
 
 /// Places of the lap whose doubt is looked at, at most.
 const MOST_DOUBTS: usize = 40;
-
-/// Faces are parted at most so often; each time others may turn out to lie through each other.
-const PARTINGS: u32 = 4;
 
 /// A taped length is laid on the map at most so often; each time the outline is fitted anew.
 const TAPINGS: u32 = 4;

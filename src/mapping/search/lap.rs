@@ -36,6 +36,23 @@ pub fn whole_lap(wall: &Wall, closure: &Closure, adjustment: &Adjustment) -> Clo
     back.map_or(*closure, |seen| closure.over_at(seen.travelled))
 }
 
+/// The contacts of one lap round something, and `adjustment` with them, after its own faces have put them right:
+/// those that lay through each other apart, and those that are smooth straight.
+pub fn straight_contacts(
+    wall: &Wall,
+    closure: &Closure,
+    adjustment: &mut Adjustment,
+    chassis: &Chassis,
+) -> Vec<Contact> {
+    let mut contacts = lap_contacts(wall, closure, adjustment);
+    adjustment.part(&mut contacts, chassis.reach());
+    let strokes = lap_strokes(wall, closure, adjustment);
+    let seen = things(contacts.clone(), &strokes, chassis);
+    adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
+    adjustment.part(&mut contacts, chassis.reach());
+    contacts
+}
+
 /// The things that one lap, adjusted, went round; `contacts` are those of [`lap_contacts`]. A post is
 /// known by all that was seen of it rather than by contacts.
 #[must_use]

@@ -12,7 +12,7 @@ use crate::mapping::follow::{Ask, Side};
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::passing::{Passing, Way};
-use crate::mapping::search::{lap_contacts, lap_strokes, lap_things, whole_lap};
+use crate::mapping::search::{lap_things, straight_contacts, whole_lap};
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, things};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
@@ -87,10 +87,12 @@ impl Tour {
                 let since = closure.from.time_us;
                 let mut adjustment = Adjustment::new(scene.tracker, &closure, &overlap, since);
                 let closure = whole_lap(&round.circuit.wall, &closure, &adjustment);
-                let mut contacts = lap_contacts(&round.circuit.wall, &closure, &adjustment);
-                let strokes = lap_strokes(&round.circuit.wall, &closure, &adjustment);
-                let seen = things(contacts.clone(), &strokes, &self.chassis);
-                adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
+                let contacts = straight_contacts(
+                    &round.circuit.wall,
+                    &closure,
+                    &mut adjustment,
+                    &self.chassis,
+                );
                 let before = scene.tracker.pose();
                 let hung = round.close(&overlap, scene);
                 let after = scene.tracker.pose();

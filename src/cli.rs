@@ -90,7 +90,7 @@ pub struct RunArgs {
     /// The robot.
     #[command(flatten)]
     pub robot: RobotChoice,
-    /// Phase whose end completes the run
+    /// Phase whose end completes the run [default: objects; to calibrate shape]
     #[arg(long, value_name = "PHASE", value_parser = values::phase())]
     pub until: Option<Phase>,
     /// What every run can be told.

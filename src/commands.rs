@@ -14,7 +14,9 @@ pub mod world;
 
 pub use error::CommandError;
 
-use crate::cli::{Cli, Command, Common, ConsoleArgs, ReplayArgs, SnapshotArgs};
+use crate::cli::{Cli, Command, Common, ConsoleArgs, FrameSize, ReplayArgs, SnapshotArgs};
+use crate::console::layout::{MIN_COLS, MIN_ROWS, Regions};
+use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::path::Path;
 
@@ -65,6 +67,11 @@ fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {
 }
 
 fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {
+    let FrameSize { columns, rows } = args.size;
+    if Regions::of(columns, rows).is_none() {
+        let why = format!("--size {columns}x{rows}: a frame needs {MIN_COLS}x{MIN_ROWS} at least");
+        return Err(CommandError::Input(why));
+    }
     let (mapping, robot) = (args.mapping.clone(), args.robot.clone());
     let (common, _) = Common { mapping, robot, ..Common::default() }.with_config()?;
     let frame = match (&args.replay, args.at) {
@@ -98,9 +105,16 @@ fn only_real(resume: Option<&Path>) -> Result<(), CommandError> {
     Err(CommandError::Input(format!("--resume {}: {why}", dir.display())))
 }
 
+/// Whether a terminal of this name has a screen to draw on.
+fn draws(term: &OsStr) -> bool {
+    !term.is_empty() && term != "dumb"
+}
+
 /// The console needs a terminal both ways.
 fn needs_terminal() -> Result<(), CommandError> {
-    if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
+    // One that says it is dumb, or nothing, cannot place a character.
+    let draws = !cfg!(unix) || std::env::var_os("TERM").is_some_and(|term| draws(&term));
+    if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() && draws {
         Ok(())
     } else {
         Err(CommandError::NoTerminal)

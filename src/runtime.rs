@@ -70,13 +70,15 @@ impl Ending {
     pub fn of(session: &Session) -> Option<Self> {
         let (outcome, reason) = match session.run_state() {
             RunState::Complete => {
+                let map = session.mission().map();
+                let tape = map.untaped.map_or_else(String::new, |why| format!("; {why}"));
                 if let Some(phase) = session.ended_with() {
-                    let reason = format!("{phase} phase done, no further was asked for");
+                    let reason = format!("{phase} phase done, no further was asked for{tape}");
                     return Some(Self { outcome: Outcome::Complete, reason });
                 }
-                let owed = session.mission().map().shortfall();
+                let owed = map.shortfall();
                 let but = owed.map_or_else(String::new, |owed| format!(", but {owed}"));
-                (Outcome::Complete, format!("all four phases done{but}"))
+                (Outcome::Complete, format!("all four phases done{but}{tape}"))
             }
             RunState::Failed(Failure::Ended) => (Outcome::Stopped, Failure::Ended.to_string()),
             RunState::Failed(why) => (Outcome::Failed, why.to_string()),

@@ -40,6 +40,10 @@ fn bad_values_are_refused_with_the_flag_and_what_it_takes() {
         (&["snapshot", "--world", "a", "--until", "plan", "--size", "80"], &["--size", "80x24"]),
         (&["snapshot", "--replay", "a", "--size", "80x24"], &["--at"]),
         (&["snapshot", "--size", "80x24"], &["--world"]),
+        (
+            &["snapshot", "--world", "a", "--until", "plan", "--size", "59x16"],
+            &["--size 59x16", "60x16 at least"],
+        ),
         (&["fly"], &["fly"]),
     ];
     for (arguments, words) in cases {
@@ -53,6 +57,21 @@ fn what_is_missing_is_named() {
     refused(&["run", "--world", "room.toml"], &["needs --out DIR"]);
     refused(&["check"], &["FILE"]);
     refused(&["snapshot", "--world", "room.toml", "--size", "80x24"], &["--until"]);
+}
+
+#[test]
+fn a_taped_length_that_is_not_used_is_told_at_the_end() {
+    let dir = std::env::temp_dir().join(format!("periplus-untaped-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&dir);
+    let out = dir.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/l_room.toml");
+    let tape = ["--tape", "0,0:5,0=9", "--until", "shape", "--out", out];
+    let run = periplus(&[&["run", "--world", world], tape.as_slice()].concat());
+    let told = String::from_utf8_lossy(&run.stdout);
+    assert!(told.contains("taped length not used: 9.000 m, but 4.99"), "{told}");
+    let report = fs::read_to_string(dir.join("report.json")).expect("a report");
+    assert!(report.contains("\"not_taped\": \"taped length not used"), "{report}");
+    let _ = fs::remove_dir_all(&dir);
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub struct MappingFlags {
     #[arg(long, value_name = "CONTOUR", value_parser = contour())]
     pub contour: Option<Contour>,
     /// Laps of the boundary; each after the first goes the other way round and is averaged in
-    /// [default: 1]
+    /// [default: 1; to calibrate 2]
     #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
     pub laps: Option<u32>,
     /// Hand over nearly right angles as right ones; what was mapped is kept beside
@@ -225,7 +225,7 @@ pub(super) fn tape(text: &str) -> Result<Tape, String> {
     text.parse().map_err(|error: TapeError| error.to_string())
 }
 
-/// A frame size such as 80x24.
+/// A frame size such as 80x24, no smaller than what the console works in.
 pub(super) fn size(text: &str) -> Result<FrameSize, String> {
     let wrong = || "a size is COLSxROWS, such as 80x24, each from 1 to 1000".to_owned();
     let (columns, rows) = text.split_once('x').ok_or_else(wrong)?;

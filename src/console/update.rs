@@ -200,11 +200,27 @@ fn scroll(model: &mut Model, snapshot: &Snapshot, by: isize) {
     }
 }
 
+/// What is typed to say where the robot is.
+const SAY_WHERE: &str = "type :placed=X,Y,DEG";
+
+/// Whether the robot was lost before there was a boundary to find its place by: it does nothing until it is told
+/// where it is.
+fn is_nowhere(snapshot: &Snapshot) -> bool {
+    let (Known::Known(robot) | Known::Stale { value: robot, .. }) = &snapshot.robot else {
+        return false;
+    };
+    robot.pose.is_none() && !snapshot.map.closed
+}
+
 fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
     let mut standing = Standing { latched: false, ..Standing::of(snapshot) };
     let text = if snapshot.run == RunState::Stopped {
         standing.run = RunState::Paused;
-        format!("stop cleared; {} runs on", model.keymap.way(Action::RunPause))
+        if is_nowhere(snapshot) {
+            format!("stop cleared; its place is not known: {SAY_WHERE}")
+        } else {
+            format!("stop cleared; {} runs on", model.keymap.way(Action::RunPause))
+        }
     } else {
         "stop cleared".to_owned()
     };
@@ -229,6 +245,9 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         _ if snapshot.run == RunState::Paused => Intent::Run,
         _ => Intent::Pause,
     };
+    if is_nowhere(snapshot) && intent != Intent::Pause {
+        return refuse_now(model, snapshot, format!("its place is not known: {SAY_WHERE} first"));
+    }
     // A robot that is not there is not told to drive; that it is to pause can do no harm.
     if matches!(snapshot.robot, Known::Stale { .. }) && intent != Intent::Pause {
         let text = "the robot is not heard: see to the link, or quit and --resume";
@@ -417,6 +436,8 @@ mod tests {
     use crate::console::Keymap;
     use crate::geometry::Pose;
     use crate::mapping::settings::Settings;
+    use crate::robot::SwitchSet;
+    use crate::session::snapshot::RobotView;
 
     fn waiting() -> (Model, Snapshot) {
         let settings = Settings::new(Pose::new(0.0, 0.0, 0.0));
@@ -452,6 +473,32 @@ mod tests {
         snapshot.run = RunState::Complete;
         perform(&mut model, &snapshot, Action::ToggleContacts);
         assert!(model.layers.contacts.is_shown(true), "but one may ask for it");
+    }
+
+    #[test]
+    fn a_robot_lost_before_there_is_a_boundary_waits_for_its_place_and_says_so() {
+        let (mut model, mut snapshot) = waiting();
+        (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+        snapshot.robot = Known::Known(RobotView {
+            pose: None,
+            position_sd: 0.0,
+            switches: SwitchSet::default(),
+            bumper: false,
+            moving: false,
+        });
+        let said = |model: &Model| model.hint.as_ref().expect("a remark").text.clone();
+        assert_eq!(perform(&mut model, &snapshot, Action::ClearStop).len(), 1);
+        assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
+        snapshot.run = RunState::Paused;
+        for action in [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase]
+        {
+            model.hint = None;
+            assert!(perform(&mut model, &snapshot, action).is_empty(), "{action:?}");
+            assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
+        }
+        // With a boundary it looks for its place by itself.
+        snapshot.map.closed = true;
+        assert_eq!(perform(&mut model, &snapshot, Action::RunPause).len(), 1);
     }
 
     #[test]

@@ -10,7 +10,6 @@ use std::fmt::Write as _;
 pub fn write(record: &RunRecord<'_>) -> Option<String> {
     let known = record.map.calibration.as_ref()?;
     let chassis = &record.settings.chassis;
-    let taped = record.map.taped.is_some();
     let mut text = String::new();
     let mut line = |words: String| {
         text.push_str(&words);
@@ -34,7 +33,7 @@ pub fn write(record: &RunRecord<'_>) -> Option<String> {
         "wheel_base = {:.5} # ± {:.5}; was {}",
         known.wheel_base.value, known.wheel_base.sd, chassis.wheel_base
     ));
-    let how = if taped { "by tape" } else { "as it was: only a taped length tells" };
+    let how = how(record, "as it was", "only a taped length tells");
     line(format!("tick = {:.9} # {how}; was {}", known.tick, chassis.tick));
     line(format!("range = {}", chassis.range));
     line(format!("hysteresis = {}", chassis.hysteresis));
@@ -51,15 +50,24 @@ pub fn write(record: &RunRecord<'_>) -> Option<String> {
     Some(text)
 }
 
+/// How the travel per tick was found: by tape, or `not` at all, as what happened to the tape says, or else the
+/// `hint`.
+fn how(record: &RunRecord<'_>, not: &str, hint: &str) -> String {
+    match (record.map.taped, record.map.untaped) {
+        (Some(_), _) => "by tape".to_owned(),
+        (None, Some(why)) => format!("{not}: {why}"),
+        (None, None) => format!("{not}: {hint}"),
+    }
+}
+
 /// What was measured of wheels and gyro, a line for each figure, with its standard error; none when nothing
 /// was.
 #[must_use]
 pub fn figures(record: &RunRecord<'_>) -> Option<String> {
     let known = record.map.calibration.as_ref()?;
     let chassis = &record.settings.chassis;
-    let taped = record.map.taped.is_some();
     let hourly = |rate: f64| rate.to_degrees() * 3600.0;
-    let how = if taped { "by tape" } else { "not measured: give --tape a length" };
+    let how = how(record, "not measured", "give --tape a length");
     Some(format!(
         "wheel base: {:.5} ± {:.5} m, was {} m\n\
          travel per tick: {:.9} m, was {} m, {how}\n\

@@ -109,6 +109,7 @@ pub(crate) fn room() -> Sample {
         laps: 1,
         squared: None,
         taped: None,
+        untaped: None,
         taken_away: 0,
         doubted: Vec::new(),
     };

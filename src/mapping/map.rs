@@ -9,7 +9,7 @@ use super::accuracy::Accuracy;
 use super::calibration::Calibration;
 use super::settings::Strategy;
 use super::square::{Squared, square};
-use super::tape::Taped;
+use super::tape::{Taped, Untaped};
 use super::trust::Doubted;
 use super::unreached::{Beyond, Unreached};
 use crate::geometry::measure::{Measure, measure};
@@ -409,6 +409,9 @@ pub struct RoomMap {
     /// What a taped length made of the map, if one was given and fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taped: Option<Taped>,
+    /// Why the last one that was given made nothing of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub untaped: Option<Untaped>,
     /// The highest number of an object that was taken away again: no other gets it.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub taken_away: u32,

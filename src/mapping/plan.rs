@@ -144,6 +144,8 @@ impl Work<'_> {
 /// What lines driven in `order` come to that leave `left`.
 fn outcome(strategy: Strategy, order: order::Order, length: f64, left: &Unswept<'_>) -> Outcome {
     let hidden_disc = left.spots(0.0, 1).pop().map_or(0.0, |disc| disc.diameter);
+    // The sum of no lengths is minus nothing.
+    let length = length.max(0.0);
     let figures = PlanFigures { strategy, lines: order.len(), length, hidden_disc };
     Outcome { order, figures, extra: Vec::new() }
 }

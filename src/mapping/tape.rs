@@ -9,6 +9,7 @@
 
 use crate::geometry::{Point, Ring, angle};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -52,6 +53,32 @@ pub struct Taped {
     pub taped: f64,
     /// By how much the robot's way was stretched: real over believed travel of the wheels.
     pub stretch: f64,
+}
+
+/// Why a taped length made nothing of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Untaped {
+    /// There is no wall near its ends.
+    Nowhere,
+    /// It is off by more than wheels can be.
+    Refused {
+        /// The length on the map, metres.
+        mapped: f64,
+        /// What the tape said, metres.
+        taped: f64,
+    },
+}
+
+impl fmt::Display for Untaped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nowhere => f.write_str("taped length not used: no wall near its ends"),
+            Self::Refused { mapped, taped } => write!(
+                f,
+                "taped length not used: {taped:.3} m, but {mapped:.3} m on the map (was it held here?)"
+            ),
+        }
+    }
 }
 
 /// What is wrong with a written tape.

@@ -3,6 +3,7 @@
 
 use super::Progress;
 use crate::export::PHASES;
+use crate::wording::clock;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
@@ -23,8 +24,8 @@ impl Bar {
             let length = PER_PHASE * PHASES.len() as u64;
             let bar =
                 ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(10));
-            if let Ok(style) = ProgressStyle::with_template("{bar:24} {msg}") {
-                bar.set_style(style.progress_chars("━╸ "));
+            if let Ok(style) = ProgressStyle::with_template("{bar:12} {wide_msg}") {
+                bar.set_style(style.progress_chars("━╸─"));
             }
             bar
         });
@@ -39,10 +40,7 @@ impl Bar {
         bar.set_position(index as u64 * PER_PHASE + within as u64);
         let share =
             progress.share.map_or(String::new(), |share| format!(" {:.0} %", share * 100.0));
-        bar.set_message(format!(
-            "{}{share} · {:.0} s of the robot's time, {:.1} m driven · {wall:.0} s",
-            progress.phase, progress.time, progress.travel
-        ));
+        bar.set_message(message(progress, &share, wall));
     }
 
     /// Takes the bar off the screen.
@@ -53,8 +51,29 @@ impl Bar {
     }
 }
 
+/// What stands beside the bar: 80 columns hold both.
+fn message(progress: &Progress, share: &str, wall: f64) -> String {
+    let (time, wall) = (clock(progress.time), clock(wall));
+    format!("{}{share} · robot {time}, {:.1} m · took {wall}", progress.phase, progress.travel)
+}
+
 impl Default for Bar {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::map::Phase;
+
+    #[test]
+    fn bar_and_message_of_a_long_run_take_one_row_of_80_columns() {
+        let progress =
+            Progress { phase: Phase::Boundary, share: None, time: 35_999.0, travel: 4_999.9 };
+        let told = message(&progress, " 100 %", 7_199.0);
+        assert_eq!(told, "boundary 100 % · robot 9:59:59, 4999.9 m · took 1:59:59");
+        assert!(12 + 1 + told.chars().count() <= 80, "{told}");
     }
 }

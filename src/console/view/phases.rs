@@ -74,6 +74,9 @@ fn draw_bar(pen: &mut Pen<'_>, x: u16, y: u16, room: u16, progress: &PhaseProgre
         _ if current => "  … ".to_owned(),
         _ => String::new(),
     };
+    // Part of a figure would be another figure.
+    let fits = |figure: &&str| figure.chars().count() < usize::from(room);
+    let figure = [figure.as_str(), figure.trim()].into_iter().find(fits).unwrap_or_default();
     let figure_room = if current { 6 } else { 0 };
     let length = room.saturating_sub(figure_room);
     let halves = (share.unwrap_or(0.0).clamp(0.0, 1.0) * f64::from(length) * 2.0) as u16;
@@ -85,5 +88,38 @@ fn draw_bar(pen: &mut Pen<'_>, x: u16, y: u16, room: u16, progress: &PhaseProgre
         };
         pen.text(x + step, y, symbol, role);
     }
-    pen.text(x + length + 1, y, &figure, Role::Value);
+    pen.text(x + length + 1, y, figure, Role::Value);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::console::Keymap;
+    use crate::console::frame::planes;
+    use crate::console::model::Model;
+    use crate::geometry::Pose;
+    use crate::mapping::settings::Settings;
+    use crate::session::Snapshot;
+
+    #[test]
+    fn no_share_is_cut_however_narrow_the_screen_is() {
+        let mut snapshot = Snapshot::waiting(Settings::new(Pose::new(0.0, 0.0, 0.0)), "nowhere");
+        let mut told = 0;
+        for phase in super::PHASES {
+            for share in [0.04, 0.49, 1.0] {
+                snapshot.phase = phase;
+                snapshot.progress[phase as usize].share = Some(share);
+                for columns in 60..=120 {
+                    let model = Model::new(columns, 16, Keymap::default());
+                    let symbols = planes(&model, &snapshot).0;
+                    let strip = symbols.lines().nth(1).expect("the strip of the phases");
+                    assert!(!strip.contains('…'), "{columns}: {strip}");
+                    let figure = format!(" {:.0} %", share * 100.0);
+                    let digits = strip.chars().any(|letter| letter.is_ascii_digit());
+                    assert_eq!(digits, strip.contains(&figure), "{columns}: {strip}");
+                    told += usize::from(digits);
+                }
+            }
+        }
+        assert!(told > 600, "the share was told {told} times only");
+    }
 }

@@ -21,6 +21,9 @@ pub(super) struct Boundary {
     squared: Option<SquaredFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
     taped: Option<TapedFigures>,
+    /// Why a taped length was not used, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    not_taped: Option<String>,
 }
 
 /// What squaring changed; what was mapped is in `map.geojson`.
@@ -84,6 +87,7 @@ impl Boundary {
                 taped_m: taped.taped,
                 stretch: rounded(taped.stretch, 6),
             }),
+            not_taped: record.map.untaped.map(|why| why.to_string()),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{EventKind, Failure, Severity};
 use crate::mapping::map::{LineReason, ObjectClass, Phase, ShapeClass};
+use crate::mapping::tape::Untaped;
 use crate::mapping::trust::Defect;
 use std::fmt;
 
@@ -102,14 +103,13 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map was stretched by {:+.2} %",
             (stretch - 1.0) * 100.0
         ),
-        EventKind::TapeRefused { mapped, taped } => write!(
-            f,
-            "taped length not used: {taped:.3} m, but {mapped:.3} m on the map; was it held here?"
-        ),
+        EventKind::TapeRefused { mapped, taped } => {
+            write!(f, "{}", Untaped::Refused { mapped: *mapped, taped: *taped })
+        }
         EventKind::TapeNoted { taped } => {
             write!(f, "taped length noted: {taped:.3} m; it counts once the shape is found")
         }
-        EventKind::TapeNowhere => f.write_str("taped length not used: no wall near its ends"),
+        EventKind::TapeNowhere => write!(f, "{}", Untaped::Nowhere),
         _ => Ok(()),
     }
 }
@@ -253,15 +253,15 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         }
         EventKind::PlaceNeeded => f.write_str(
             "no boundary is closed yet to know a place by: put the robot down, at the start or \
-             elsewhere, and say where, placed=X,Y,DEG; the lap begins anew",
+             elsewhere, and say where (:placed=X,Y,DEG); the lap begins anew",
         ),
         EventKind::PlaceUnclear { places: 0 | 1 } => f.write_str(
-            "the map shows nothing like what is here: put the robot near a mapped wall and say so, \
-             placed=X,Y,DEG",
+            "the map shows nothing like what is here: put the robot near a mapped wall and say so \
+             (:placed=X,Y,DEG)",
         ),
         EventKind::PlaceUnclear { places } => write!(
             f,
-            "{places} places of the map look like this one: say about where it is, placed=X,Y,DEG"
+            "{places} places of the map look like this one: say about where it is (:placed=X,Y,DEG)"
         ),
         _ => Ok(()),
     }

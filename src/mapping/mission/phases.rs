@@ -16,7 +16,7 @@ use crate::mapping::retrace::Beside;
 use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap};
 use crate::mapping::shape::{self, Loops};
 use crate::mapping::smooth::smooth;
-use crate::mapping::tape::Taped;
+use crate::mapping::tape::{Taped, Untaped};
 use crate::mapping::thin::{PARTINGS, part};
 use crate::mapping::tour::{Scene, Tour, Turn};
 use crate::mapping::unreached::{Unreached, unreached};
@@ -163,13 +163,11 @@ impl Mission {
         let Some(tape) = self.settings.tape else { return fitted };
         let mut outline = fitted;
         let Some(length) = tape.on(&outline) else {
-            self.tell(EventKind::TapeNowhere, out);
-            return outline;
+            return self.not_taped(Untaped::Nowhere, outline, out);
         };
         let mapped = length.mapped;
         if tape.stretch(length, self.tracker.stretched()).is_none() {
-            self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
-            return outline;
+            return self.not_taped(Untaped::Refused { mapped, taped: tape.length }, outline, out);
         }
         for _ in 0..TAPINGS {
             let length = tape.on(&outline);
@@ -189,14 +187,26 @@ impl Mission {
             };
             let Ok(fitted) = fitted else {
                 self.stretch(1.0 / stretch);
-                self.tell(EventKind::TapeRefused { mapped, taped: tape.length }, out);
-                return outline;
+                let why = Untaped::Refused { mapped, taped: tape.length };
+                return self.not_taped(why, outline, out);
             };
             outline = fitted;
         }
         let stretch = self.tracker.stretched();
         self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
+        self.map.untaped = None;
         self.tell(EventKind::TapeLaid { mapped, taped: tape.length, stretch }, out);
+        outline
+    }
+
+    /// The tape made nothing of `outline`, and says why: who watches hears of it now, and who does not at the end.
+    fn not_taped(&mut self, why: Untaped, outline: Ring, out: &mut Vec<Output>) -> Ring {
+        let told = match why {
+            Untaped::Nowhere => EventKind::TapeNowhere,
+            Untaped::Refused { mapped, taped } => EventKind::TapeRefused { mapped, taped },
+        };
+        self.tell(told, out);
+        self.map.untaped = Some(why);
         outline
     }
 

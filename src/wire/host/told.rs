@@ -20,7 +20,10 @@ pub enum Health {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Loss {
     /// Nobody answered when the port was opened.
-    #[error("no answer from the robot: is it switched on, and is the baud rate right?")]
+    #[error(
+        "no answer from the robot: is it switched on, does another program hold it, and, on a serial line, is \
+         the baud rate right (--baud)?"
+    )]
     NoAnswer,
     /// Something is said, and none of it in this protocol.
     #[error(

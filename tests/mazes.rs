@@ -113,12 +113,13 @@ fn maze(drawn: &str, cell: f64, thick: f64) -> (String, f64) {
 
 #[test]
 fn no_corridor_is_lost_where_the_faces_of_a_board_changed_places() {
-    for (drawn, cell, thick, noise, seed) in [
-        (SIX, 0.45, 0.02, "calibrated", 5),
-        (SEVEN, 0.4, 0.02, "calibrated", 4),
-        (SEVEN, 0.4, 0.02, "calibrated", 6),
+    for (drawn, cell, noise, seed) in [
+        (SIX, 0.45, "calibrated", 11),
+        (SIX, 0.45, "calibrated", 24),
+        (SIX, 0.45, "harsh", 9),
+        (SEVEN, 0.4, "harsh", 2),
     ] {
-        let (world, floor) = maze(drawn, cell, thick);
+        let (world, floor) = maze(drawn, cell, 0.02);
         let (area, _) = reported::bounded(&world, noise, seed);
         assert!((area / floor - 1.0).abs() < 0.03, "seed {seed}: {area} m2 of {floor}");
     }
@@ -128,6 +129,8 @@ fn no_corridor_is_lost_where_the_faces_of_a_board_changed_places() {
 fn corridors_side_by_side_are_no_rounds_in_a_pocket() {
     // By then the robot believes itself to be where it was in the next corridor, one board farther.
     let (world, floor) = maze(NINE, 0.45, 0.03);
-    let (area, _) = reported::bounded(&world, "harsh", 1);
-    assert!((area / floor - 1.0).abs() < 0.05, "{area} m2 of {floor}");
+    for seed in [1, 9] {
+        let (area, _) = reported::bounded(&world, "harsh", seed);
+        assert!((area / floor - 1.0).abs() < 0.03, "seed {seed}: {area} m2 of {floor}");
+    }
 }

@@ -14,8 +14,8 @@
 //!    with `follow`, `ahead`, `wall`, `circuit` (with `drift`, the gyro's, `lay`, one look laid on another,
 //!    and `retreat`, back by the way it came) and `adjust`; `retrace`, a lap more that is averaged in,
 //!    and `calibration`, what that tells of wheels and gyro; `shape` (III.D), which ends the map at straits,
-//!    and `smooth`, which lets its straight walls straighten the lap; `tape`, a length that was measured in
-//!    the room; `square`, right angles made right; `plan` (III.E) on `floor`; `tour` (III.F) on the `chart` of
+//!    and `smooth`, which lets its straight walls straighten the lap, and `thin`, which parts the faces of thin
+//!    ones; `tape`, a length that was measured in the room; `square`, right angles made right; `plan` (III.E) on `floor`; `tour` (III.F) on the `chart` of
 //!    what is mapped; `network`, all observations adjusted at once when the tour is over; `relocate`, how a robot that
 //!    was carried, or doubts where it is, finds its place again;
 //!    `trust`, which switches can be believed; `accuracy`, how well all of it is known; `unreached`, what

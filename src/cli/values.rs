@@ -225,7 +225,7 @@ pub(super) fn tape(text: &str) -> Result<Tape, String> {
     text.parse().map_err(|error: TapeError| error.to_string())
 }
 
-/// A frame size such as 80x24, no smaller than what the console works in.
+/// A frame size such as 80x24.
 pub(super) fn size(text: &str) -> Result<FrameSize, String> {
     let wrong = || "a size is COLSxROWS, such as 80x24, each from 1 to 1000".to_owned();
     let (columns, rows) = text.split_once('x').ok_or_else(wrong)?;

@@ -200,8 +200,11 @@ fn scroll(model: &mut Model, snapshot: &Snapshot, by: isize) {
     }
 }
 
-/// What is typed to say where the robot is.
-const SAY_WHERE: &str = "type :placed=X,Y,DEG";
+/// What has to be said before a robot drives of which nobody knows where it is.
+fn say_where(model: &Model) -> String {
+    let line = model.keymap.label(Action::CommandLine);
+    format!("its place is not known: type {line}placed=X,Y,DEG")
+}
 
 /// Whether the robot was lost before there was a boundary to find its place by: it does nothing until it is told
 /// where it is.
@@ -217,7 +220,7 @@ fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
     let text = if snapshot.run == RunState::Stopped {
         standing.run = RunState::Paused;
         if is_nowhere(snapshot) {
-            format!("stop cleared; its place is not known: {SAY_WHERE}")
+            format!("stop cleared; {}", say_where(model))
         } else {
             format!("stop cleared; {} runs on", model.keymap.way(Action::RunPause))
         }
@@ -246,7 +249,7 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         _ => Intent::Pause,
     };
     if is_nowhere(snapshot) && intent != Intent::Pause {
-        return refuse_now(model, snapshot, format!("its place is not known: {SAY_WHERE} first"));
+        return refuse_now(model, snapshot, format!("{} first", say_where(model)));
     }
     // A robot that is not there is not told to drive; that it is to pause can do no harm.
     if matches!(snapshot.robot, Known::Stale { .. }) && intent != Intent::Pause {

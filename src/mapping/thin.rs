@@ -5,6 +5,7 @@
 //! one go through the other. That cannot be, and by how much it is so is a measurement of what the
 //! robot was off by between the two. Each such beam is put into the survey as an observation that the faces
 //! lie a little apart. What does not contradict itself is left alone: how thick a wall is, nobody knows.
+//! What outline is made of the contacts is not known here.
 
 use super::map::Contact;
 use super::shape::{Through, faces_through_each_other};

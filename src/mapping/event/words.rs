@@ -253,15 +253,15 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         }
         EventKind::PlaceNeeded => f.write_str(
             "no boundary is closed yet to know a place by: put the robot down, at the start or \
-             elsewhere, and say where (:placed=X,Y,DEG); the lap begins anew",
+             elsewhere, and say where, placed=X,Y,DEG; the lap begins anew",
         ),
         EventKind::PlaceUnclear { places: 0 | 1 } => f.write_str(
-            "the map shows nothing like what is here: put the robot near a mapped wall and say so \
-             (:placed=X,Y,DEG)",
+            "the map shows nothing like what is here: put the robot near a mapped wall and say so, \
+             placed=X,Y,DEG",
         ),
         EventKind::PlaceUnclear { places } => write!(
             f,
-            "{places} places of the map look like this one: say about where it is (:placed=X,Y,DEG)"
+            "{places} places of the map look like this one: say about where it is, placed=X,Y,DEG"
         ),
         _ => Ok(()),
     }

@@ -1,7 +1,7 @@
 //! Faces of thin walls that the adjustment has laid through each other. Each surface is free to lie where the
 //! readings have it, and the two faces of a board were met far apart in time: what they are off by may be more than
 //! the board is thick. That no wall is thinner than nothing is known without any reading (see
-//! `mapping::thin` for the same on the lap).
+//! `mapping::thin` for the same on the lap). Knows the surfaces, not the readings that they come from.
 
 use super::chain::Equation;
 use super::surface::{Surface, Surfaces, UNKNOWNS};

@@ -5,7 +5,7 @@
 //! reference. Nothing here steers: the console speaks to the run in intents, through
 //! [`driver::Driver`], and sees of it only the [`crate::session::Snapshot`].
 //!
-//! Reading order: `action`, `key`, `keymap`; `model`, `command`, `update`; `theme`, `canvas`,
+//! Reading order: `action`, `key`, `keymap`; `command`, `prompt`, `model`, `update`; `theme`, `canvas`,
 //! `layout`, `view`; `frame` (a frame without a terminal); `driver`, `screen`, `terminal`, `app`.
 
 pub mod action;
@@ -18,6 +18,7 @@ pub mod key;
 pub mod keymap;
 pub mod layout;
 pub mod model;
+pub mod prompt;
 mod sanitize;
 pub mod screen;
 pub mod terminal;

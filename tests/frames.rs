@@ -88,7 +88,7 @@ fn every_phase_of_a_room_with_an_object() {
     hold("5_plan", &run.snapshot(), &Overlay::None);
     // No robot stands outside the room.
     for (place, is_taken) in [("placed=1,1,0", true), ("placed=99,1,0", false)] {
-        let overlay = Overlay::Line(place.to_owned());
+        let overlay = Overlay::Line(place.into());
         let mut model = Model { overlay, ..Model::new(80, 24, Keymap::default()) };
         let effects = press(&mut model, &run.snapshot(), Key::parse("enter").expect("a key"));
         let taken = matches!(effects[..], [Effect::Intent(Intent::Placed { .. })]);

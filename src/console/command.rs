@@ -23,6 +23,31 @@ pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("at", "SECONDS", "in a replay: go to that instant, forth or back"),
 ];
 
+/// What commands are for: not every one is of use with each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steered {
+    /// A run in the simulator.
+    Simulator,
+    /// A real robot, whose time is not ours, and whose map is written when the console is left.
+    Robot,
+    /// A record, which is looked at.
+    Replay,
+}
+
+impl Steered {
+    /// Whether the command called `name` does anything here.
+    fn takes(self, name: &str) -> bool {
+        match (name, self) {
+            ("at", steered) => steered == Self::Replay,
+            ("export", steered) => steered == Self::Simulator,
+            ("speed", steered) => steered != Self::Robot,
+            ("alpha" | "tape" | "placed", steered) => steered != Self::Replay,
+            (name, Self::Replay) => !Action::named(name).is_some_and(Action::changes_the_run),
+            _ => true,
+        }
+    }
+}
+
 /// What was typed, understood.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
@@ -116,10 +141,10 @@ impl Command {
         }
     }
 
-    /// What `text` completes to: as far as all commands that begin with it agree.
+    /// What `text` completes to: as far as all commands that begin with it, and are of use, agree.
     #[must_use]
-    pub fn complete(text: &str) -> Option<String> {
-        let mut matching = names().filter(|name| name.starts_with(text));
+    pub fn complete(text: &str, steered: Steered) -> Option<String> {
+        let mut matching = Self::candidates(text, steered);
         let first = matching.next()?;
         let Some(second) = matching.next() else {
             let takes_more = COMMANDS.iter().any(|(name, ..)| *name == first);
@@ -132,9 +157,9 @@ impl Command {
         Some(first.get(..length).unwrap_or(text).to_owned())
     }
 
-    /// The commands that begin with `text`, for the prompt to show.
-    pub fn candidates(text: &str) -> impl Iterator<Item = &'static str> {
-        names().filter(move |name| name.starts_with(text))
+    /// The commands that begin with `text` and are of use, for the prompt to show.
+    pub fn candidates(text: &str, steered: Steered) -> impl Iterator<Item = &'static str> {
+        names().filter(move |name| name.starts_with(text) && steered.takes(name))
     }
 }
 
@@ -208,11 +233,31 @@ mod tests {
 
     #[test]
     fn names_complete_as_far_as_they_agree() {
-        assert_eq!(Command::complete("al").as_deref(), Some("alpha"));
-        assert_eq!(Command::complete("sp").as_deref(), Some("speed="));
-        assert_eq!(Command::complete("q").as_deref(), Some("quit"));
-        assert_eq!(Command::complete("st").as_deref(), Some("st"));
-        assert_eq!(Command::complete("pan").as_deref(), Some("pan-"));
-        assert_eq!(Command::complete("zzz"), None);
+        let complete = |text| Command::complete(text, Steered::Simulator);
+        assert_eq!(complete("al").as_deref(), Some("alpha"));
+        assert_eq!(complete("sp").as_deref(), Some("speed="));
+        assert_eq!(complete("q").as_deref(), Some("quit"));
+        assert_eq!(complete("st").as_deref(), Some("st"));
+        assert_eq!(complete("pan").as_deref(), Some("pan-"));
+        assert_eq!(complete("zzz"), None);
+    }
+
+    #[test]
+    fn only_what_is_of_use_is_offered() {
+        let offered = |steered| Command::candidates("", steered).collect::<Vec<_>>();
+        for (word, simulator, robot, replay) in [
+            ("alpha", true, true, false),
+            ("export", true, false, false),
+            ("at", false, false, true),
+            ("speed", true, false, true),
+            ("clear", true, true, false),
+            ("fit", true, true, true),
+        ] {
+            let here = [Steered::Simulator, Steered::Robot, Steered::Replay]
+                .map(|steered| offered(steered).contains(&word));
+            assert_eq!(here, [simulator, robot, replay], "{word}");
+        }
+        // To `at` nothing but `at` begins there.
+        assert_eq!(Command::complete("a", Steered::Replay).as_deref(), Some("at="));
     }
 }

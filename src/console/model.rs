@@ -1,8 +1,10 @@
 //! What the console itself remembers: where the map looks, what lies over it, what was typed.
 //! Nothing of the run: that is the snapshot's.
 
+use super::command::Steered;
 use super::driver::Speed;
 use super::keymap::Keymap;
+use super::prompt::{Past, Prompt};
 use crate::geometry::Point;
 use crate::session::snapshot::{Known, RunState, Snapshot};
 
@@ -37,7 +39,7 @@ pub enum Overlay {
     /// The help, scrolled down by so many lines.
     Help(u16),
     /// The command line with what was typed so far.
-    Line(String),
+    Line(Prompt),
     /// The question whether to leave although the robot moves.
     ConfirmQuit,
     /// The question whether to end the run here.
@@ -166,8 +168,8 @@ pub struct Model {
     pub log: Option<LogView>,
     /// Whether the log shows routine lines.
     pub log_detail: bool,
-    /// The command typed last, for the up arrow.
-    pub last_line: String,
+    /// The commands typed before, for the up arrow.
+    pub past: Past,
     /// The keys.
     pub keymap: Keymap,
 }
@@ -178,6 +180,16 @@ impl Model {
     pub fn remark(&self, snapshot: &Snapshot) -> Option<&Hint> {
         let so = |hint: &&Hint| hint.while_so.is_none_or(|then| then == Standing::of(snapshot));
         self.hint.as_ref().filter(so)
+    }
+
+    /// What commands are for.
+    #[must_use]
+    pub fn steered(&self, snapshot: &Snapshot) -> Steered {
+        match self.speed {
+            _ if snapshot.recorded => Steered::Replay,
+            Some(_) => Steered::Simulator,
+            None => Steered::Robot,
+        }
     }
 
     /// A fresh console of `cols` by `rows` cells.
@@ -193,7 +205,7 @@ impl Model {
             asked_alpha: None,
             log: None,
             log_detail: true,
-            last_line: String::new(),
+            past: Past::default(),
             keymap,
         }
     }

@@ -40,6 +40,8 @@ pub enum Role {
     BarDone,
     /// The part of a bar that is to come.
     BarRest,
+    /// The letter under the cursor of the command line.
+    Cursor,
     /// The robot may move by itself.
     Running,
     /// Waiting for the operator.
@@ -88,7 +90,7 @@ pub enum Role {
 
 impl Role {
     /// Every role, in order.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 39] = [
         Self::Text,
         Self::Muted,
         Self::Rule,
@@ -105,6 +107,7 @@ impl Role {
         Self::Active,
         Self::BarDone,
         Self::BarRest,
+        Self::Cursor,
         Self::Running,
         Self::Paused,
         Self::Stopped,
@@ -132,7 +135,7 @@ impl Role {
     /// The letter that stands for the role in the second plane of a text frame.
     #[must_use]
     pub fn letter(self) -> char {
-        const LETTERS: &[u8; 38] = b".mr=vou#hnwfgabeRPSCFxtcpdskiqyWOLHzZB";
+        const LETTERS: &[u8; 39] = b".mr=vou#hnwfgabe_RPSCFxtcpdskiqyWOLHzZB";
         char::from(LETTERS[self as usize])
     }
 }
@@ -211,6 +214,7 @@ fn colour_of(role: Role) -> Option<Color> {
         | Role::Value
         | Role::Unknown
         | Role::BarRest
+        | Role::Cursor
         | Role::LineRejected
         | Role::LineSkipped
         | Role::Start => None,
@@ -259,6 +263,7 @@ fn modifier_of(role: Role) -> Modifier {
         | Role::LineDriving
         | Role::Wall => Modifier::BOLD,
         Role::Stale => Modifier::ITALIC,
+        Role::Cursor => Modifier::REVERSED,
         _ => Modifier::empty(),
     }
 }

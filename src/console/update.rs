@@ -2,11 +2,12 @@
 //! terminal nor the robot; the loop carries out the effects.
 
 use super::action::Action;
-use super::command::Command;
+use super::command::{Command, CommandError};
 use super::driver::Speed;
 use super::key::Key;
 use super::layout::Regions;
 use super::model::{Asked, Camera, Hint, Model, Overlay, Standing};
+use super::prompt::{Prompt, Typed};
 use super::view::log::scrolled;
 use super::view::map::viewport;
 use crate::geometry::{Point, Vector};
@@ -88,7 +89,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             }
         }
         Overlay::Help(scroll) => press_in_help(model, key, action, scroll),
-        Overlay::Line(text) => press_in_line(model, snapshot, key, text),
+        Overlay::Line(prompt) => press_in_line(model, snapshot, key, prompt),
         Overlay::ConfirmQuit => {
             if key.typed() == Some('y') || action == Some(Action::Quit) {
                 return vec![Effect::Intent(Intent::Stop), Effect::Quit];
@@ -107,9 +108,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
 /// Text was pasted: into the command line, or nowhere.
 pub fn paste(model: &mut Model, text: &str) {
     if let Overlay::Line(line) = &mut model.overlay {
-        line.extend(
-            text.lines().next().unwrap_or("").chars().filter(|letter| !letter.is_control()),
-        );
+        line.insert(text.lines().next().unwrap_or(""));
     } else {
         let line = model.keymap.label(Action::CommandLine);
         let how = if line.is_empty() {
@@ -165,7 +164,7 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::LogUp => scroll(model, snapshot, -LOG_STEP),
         Action::LogDown => scroll(model, snapshot, LOG_STEP),
         Action::Help => model.overlay = Overlay::Help(0),
-        Action::CommandLine => model.overlay = Overlay::Line(String::new()),
+        Action::CommandLine => model.overlay = Overlay::Line(Prompt::default()),
         Action::Redraw => return vec![Effect::Redraw],
         Action::Suspend => return vec![Effect::Intent(Intent::Stop), Effect::Suspend],
         Action::Quit if may_move(snapshot) => model.overlay = Overlay::ConfirmQuit,
@@ -371,38 +370,19 @@ fn press_in_help(model: &mut Model, key: Key, action: Option<Action>, scroll: u1
     Vec::new()
 }
 
-fn press_in_line(
-    model: &mut Model,
-    snapshot: &Snapshot,
-    key: Key,
-    mut text: String,
-) -> Vec<Effect> {
-    if key.is(KeyCode::Enter) {
-        model.last_line.clone_from(&text);
-        return match Command::parse(&text) {
-            Ok(command) => obey(model, snapshot, command),
-            Err(super::command::CommandError::Empty) => Vec::new(),
-            Err(error) => refuse(model, error.to_string()),
-        };
+fn press_in_line(model: &mut Model, snapshot: &Snapshot, key: Key, prompt: Prompt) -> Vec<Effect> {
+    match prompt.press(key, &model.past, model.steered(snapshot)) {
+        Typed::On(prompt) => model.overlay = Overlay::Line(prompt),
+        Typed::Left => {}
+        Typed::Entered(line) => {
+            model.past.add(&line);
+            return match Command::parse(&line) {
+                Ok(command) => obey(model, snapshot, command),
+                Err(CommandError::Empty) => Vec::new(),
+                Err(error) => refuse(model, error.to_string()),
+            };
+        }
     }
-    let leave = key.is(KeyCode::Esc)
-        || key.to_string() == "ctrl-c"
-        || (key.is(KeyCode::Backspace) && text.is_empty());
-    if leave {
-        return Vec::new();
-    }
-    if key.is(KeyCode::Backspace) {
-        text.pop();
-    } else if key.is(KeyCode::Tab) {
-        text = Command::complete(&text).unwrap_or(text);
-    } else if key.is(KeyCode::Up) {
-        text.clone_from(&model.last_line);
-    } else if key.to_string() == "ctrl-u" {
-        text.clear();
-    } else if let Some(letter) = key.typed() {
-        text.push(letter);
-    }
-    model.overlay = Overlay::Line(text);
     Vec::new()
 }
 

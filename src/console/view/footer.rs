@@ -6,6 +6,7 @@ use super::words;
 use crate::console::action::{ACTIONS, Action, ActionInfo, Group};
 use crate::console::command::Command;
 use crate::console::model::{Hint, Model, Overlay};
+use crate::console::prompt::Prompt;
 use crate::console::theme::{Role, Theme};
 use crate::console::update::may_move;
 use crate::mapping::map::Phase;
@@ -21,8 +22,8 @@ pub(super) fn draw(
     buf: &mut Buffer,
 ) {
     let mut pen = Pen::new(buf, theme, area);
-    if let Overlay::Line(text) = &model.overlay {
-        draw_prompt(&mut pen, model, snapshot, text, area);
+    if let Overlay::Line(prompt) = &model.overlay {
+        draw_prompt(&mut pen, model, snapshot, prompt, area);
         return;
     }
     let Some(hint) = model.remark(snapshot) else {
@@ -54,18 +55,27 @@ pub(super) fn extra_rows(model: &Model, snapshot: &Snapshot, area: Rect) -> u16 
     remark.map_or(0, |hint| lines(hint, area).len() as u16 - 1)
 }
 
-fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, text: &str, area: Rect) {
+fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, prompt: &Prompt, area: Rect) {
     let x = pen.text(area.x + 1, area.y, ":", Role::Key);
-    // The end of a long line is what is being typed.
+    let (before, under, after) = prompt.around_cursor();
+    // The cursor stays in view, and as much of what is before it as there is room for.
     let room = usize::from(area.width / 2);
-    let skip = text.chars().count().saturating_sub(room);
-    let tail: String = text.chars().skip(skip).collect();
-    let x = pen.text(x, area.y, &tail, Role::Value);
-    let x = pen.text(x, area.y, "▏", Role::Key);
+    let skip = before.chars().count().saturating_sub(room);
+    let before: String = before.chars().skip(skip).collect();
+    let left = room.saturating_sub(before.chars().count());
+    let after: String = after.chars().take(left).collect();
+    let x = pen.text(x, area.y, &before, Role::Value);
+    let x = if under.is_empty() {
+        pen.text(x, area.y, "▏", Role::Key)
+    } else {
+        let x = pen.text(x, area.y, &under, Role::Cursor);
+        pen.text(x, area.y, &after, Role::Value)
+    };
     let help = if may_move(snapshot) && model.keymap.label(Action::Stop) == "space" {
         "space stops the robot; write alpha=0.3".to_owned()
     } else {
-        Command::candidates(text).take(6).collect::<Vec<_>>().join("  ")
+        let steered = model.steered(snapshot);
+        Command::candidates(prompt.text(), steered).take(6).collect::<Vec<_>>().join("  ")
     };
     pen.text(x + 2, area.y, &help, Role::Muted);
 }

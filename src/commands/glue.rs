@@ -11,7 +11,7 @@ use crate::journal::{Header, Journal, Recording};
 use crate::runtime::driver::{RealClock, SimulatedDriver};
 use crate::runtime::recorded::RecordedDriver;
 use crate::runtime::simulated::{Headless, SimulatedRun};
-use crate::runtime::{OutputFolder, Runner, Signals};
+use crate::runtime::{OutputFolder, Runner, Signal, Signals};
 use crate::session::Replay;
 use crate::simulator::{NoiseProfile, World};
 use std::fs::File;
@@ -93,7 +93,7 @@ pub fn console(
     let wall_seconds = driver.wall_seconds();
     let mut headless = Headless::left(driver.into_run());
     let unfinished = headless.inner().ending().is_none();
-    let kept = Kept::unless(headless.write(&folder, wall_seconds));
+    let kept = Kept::unless(headless.write(&folder, &why_left(&ended), wall_seconds));
     let status = kept.status(0);
     say_recorded(&folder, &kept);
     if unfinished && kept == Kept::Whole {
@@ -124,6 +124,18 @@ pub(super) fn on_screen(
     let signals = Signals::listen()
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;
     Ok(runtime.block_on(app::run(driver, options, &mut RealClock::start(signals))))
+}
+
+/// Why a run ended that had not ended by itself when the console was left.
+pub(super) fn why_left(ended: &Result<app::Ending, app::ConsoleError>) -> String {
+    match ended {
+        Ok(app::Ending::Quit) => "left by the operator before it was finished".to_owned(),
+        Ok(app::Ending::Signal(number)) => {
+            let name = Signal::numbered(*number).map_or("a signal", Signal::name);
+            format!("stopped by {name}")
+        }
+        Err(error) => format!("the console ended: {error}"),
+    }
 }
 
 /// Exit status after the console was left; `status` when it was left in peace.

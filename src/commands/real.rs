@@ -270,10 +270,10 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
     let ended = glue::on_screen(&mut driver, keymap);
     let run = driver.line.leave();
     let ended = ended?;
+    let why = glue::why_left(&ended);
     let (mut kept, mut unfinished) = (Kept::Whole, false);
     if let Some(mut run) = run {
-        let reason = crate::mapping::event::Failure::Ended.to_string();
-        let left = Ending { outcome: crate::export::Outcome::Stopped, reason };
+        let left = Ending { outcome: crate::export::Outcome::Stopped, reason: why };
         let ending = run.ending().unwrap_or(left);
         unfinished = run.ending().is_none();
         kept = write(&mut run, &ending, &folder, watch.seconds());

@@ -28,6 +28,13 @@ impl Signal {
         }
     }
 
+    /// The signal with this number, if it is one of these.
+    #[must_use]
+    pub fn numbered(number: u8) -> Option<Self> {
+        let mut all = [Self::Interrupt, Self::Terminate, Self::HangUp].into_iter();
+        all.find(|signal| signal.number() == number)
+    }
+
     /// The exit status that tells of it: 128 and the signal's number.
     #[must_use]
     pub fn status(self) -> u8 {
@@ -104,10 +111,7 @@ impl Signals {
     /// The first signal received, if any.
     #[must_use]
     pub fn received(&self) -> Option<Signal> {
-        let code = self.0.load(Ordering::Relaxed);
-        [Signal::Interrupt, Signal::Terminate, Signal::HangUp]
-            .into_iter()
-            .find(|signal| signal.number() == code)
+        Signal::numbered(self.0.load(Ordering::Relaxed))
     }
 
     /// Acts as if `signal` had been received.

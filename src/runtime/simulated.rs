@@ -6,7 +6,6 @@ use crate::export::{Outcome, RunRecord, truth};
 use crate::geometry::Pose;
 use crate::journal::{Header, Journal};
 use crate::link::SimulatedLink;
-use crate::mapping::event::Failure;
 use crate::mapping::map::{Phase, RoomMap};
 use crate::robot::{Intent, Telemetry};
 use crate::session::{Outgoing, RunState, Session, Snapshot};
@@ -245,15 +244,18 @@ impl<W: Write> Headless<W> {
         Self { run, idle: 0 }
     }
 
-    /// Ends the record and writes the results; what failed, in one message. `wall_seconds` is how long
-    /// the run took, pauses included.
-    pub fn write(&mut self, folder: &OutputFolder, wall_seconds: f64) -> Option<String> {
+    /// Ends the record and writes the results; what failed, in one message. `left` says why the run ended if it
+    /// had not by itself, `wall_seconds` is how long it took, pauses included.
+    pub fn write(
+        &mut self,
+        folder: &OutputFolder,
+        left: &str,
+        wall_seconds: f64,
+    ) -> Option<String> {
         let recorded = self.finish_journal();
         self.run.conclude();
-        let ending = self
-            .run
-            .ending()
-            .unwrap_or(Ending { outcome: Outcome::Stopped, reason: Failure::Ended.to_string() });
+        let left = Ending { outcome: Outcome::Stopped, reason: left.to_owned() };
+        let ending = self.run.ending().unwrap_or(left);
         let failures = folder.write_results(&self.run.record_of(&ending, wall_seconds));
         folder.complaint(recorded, &failures)
     }

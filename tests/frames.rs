@@ -117,6 +117,14 @@ fn every_phase_of_a_room_with_an_object() {
     until_paused(&mut run);
     assert_eq!(run.session().run_state(), RunState::Complete);
     hold("9_complete", &run.snapshot(), &Overlay::None);
+    hold("list", &run.snapshot(), &Overlay::List(0));
+    let mut numbered = Model::new(80, 24, Keymap::default());
+    perform(&mut numbered, &run.snapshot(), Action::ToggleWalls);
+    let (symbols, _) = frame::planes(&numbered, &run.snapshot());
+    for piece in 0..run.snapshot().map.shape.expect("a room").outline.pieces.len() {
+        let name = format!("W{}", piece + 1);
+        assert_eq!(symbols.matches(&name).count(), 1, "{name}: {symbols}");
+    }
     let mut owing = run.snapshot();
     owing.map.hidden_disc = Some(1.5);
     let model = Model::new(80, 24, Keymap::default());

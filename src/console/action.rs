@@ -56,6 +56,10 @@ pub enum Action {
     TogglePlan,
     /// Show or hide the lines rejected from the plan.
     ToggleRejected,
+    /// Show or hide the numbers of the walls.
+    ToggleWalls,
+    /// The list of what was found.
+    List,
     /// Older log lines.
     LogUp,
     /// Newer log lines.
@@ -152,6 +156,14 @@ pub const ACTIONS: &[ActionInfo] = &[
     row(Action::ToggleTrajectory, "trajectory", "trajectory shown or hidden", Group::Map, "way"),
     row(Action::TogglePlan, "plan", "lines of the plan shown or hidden", Group::Map, "plan"),
     row(Action::ToggleRejected, "rejected", "rejected lines shown or hidden", Group::Map, ""),
+    row(Action::ToggleWalls, "walls", "numbers of the walls shown or hidden", Group::Map, ""),
+    row(
+        Action::List,
+        "list",
+        "every wall, object and gap, each with its figures",
+        Group::Map,
+        "list",
+    ),
     row(Action::LogUp, "log-up", "older lines of the log", Group::Screen, ""),
     row(Action::LogDown, "log-down", "newer lines of the log", Group::Screen, ""),
     row(

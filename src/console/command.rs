@@ -16,7 +16,7 @@ use thiserror::Error;
 /// Commands that take an argument: name, what follows, what it does.
 pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("alpha", "M", "set α, metres (0.05 to 2)"),
-    ("tape", "X,Y:X,Y=M", "stretch the map to a length that was taped between two places"),
+    ("tape", "WALL=M", "stretch the map to a wall that was taped: W3=4.02; anywhere: X,Y:X,Y=M"),
     ("placed", "X,Y,DEG", "the robot was carried, about there; alone: nobody knows where"),
     ("speed", "N", "set the speed of simulated time, or max"),
     ("export", "DIR", "write the map so far"),
@@ -55,8 +55,15 @@ pub enum Command {
     Action(Action),
     /// Another α, metres.
     Alpha(f64),
-    /// A taped length.
+    /// A length taped between two places.
     Tape(Tape),
+    /// The length of a wall, taped.
+    TapeWall {
+        /// The wall, counted from 0.
+        wall: usize,
+        /// What the tape said, metres.
+        length: f64,
+    },
     /// The robot was carried, about there if anybody knows.
     Placed(Option<Pose>),
     /// Another speed.
@@ -87,6 +94,9 @@ pub enum CommandError {
     /// No tape.
     #[error("{0}")]
     Tape(#[from] TapeError),
+    /// No wall, or no length.
+    #[error("a wall's taped length is WALL=M, such as `tape=W3=4.02`; the list shows the walls")]
+    TapeWall,
     /// No pose.
     #[error("placed takes nothing or a pose: {0}")]
     Placed(#[from] PoseError),
@@ -119,6 +129,7 @@ impl Command {
         match word {
             "" => Err(CommandError::Empty),
             "alpha" => parse_alpha(argument).map(Self::Alpha),
+            "tape" if argument.starts_with(['W', 'w']) => parse_wall(argument),
             "tape" => Ok(Self::Tape(argument.parse()?)),
             "placed" if argument.is_empty() => Ok(Self::Placed(None)),
             "placed" => Ok(Self::Placed(Some(argument.parse()?))),
@@ -172,6 +183,16 @@ fn parse_alpha(text: &str) -> Result<f64, CommandError> {
     value.ok().filter(|alpha| (ALPHA.0..=ALPHA.1).contains(alpha)).ok_or(CommandError::Alpha)
 }
 
+fn parse_wall(text: &str) -> Result<Command, CommandError> {
+    let (wall, length) = text.split_once(['=', ' ']).ok_or(CommandError::TapeWall)?;
+    let wall: Option<usize> = wall.trim()[1..].parse().ok();
+    let length = length.trim_start_matches(['=', ' ']).trim_end_matches('m').trim().parse().ok();
+    match (wall.and_then(|wall| wall.checked_sub(1)), length) {
+        (Some(wall), Some(length)) => Ok(Command::TapeWall { wall, length }),
+        _ => Err(CommandError::TapeWall),
+    }
+}
+
 fn parse_speed(text: &str) -> Result<Speed, CommandError> {
     if text == "max" {
         return Ok(Speed::MAX);
@@ -192,6 +213,8 @@ mod tests {
             ("alpha=0.3", Command::Alpha(0.3)),
             (" alpha  .3 m ", Command::Alpha(0.3)),
             ("tape=0,0:5,0=5.02", Command::Tape("0,0:5,0=5.02".parse().unwrap())),
+            ("tape=W3=4.02", Command::TapeWall { wall: 2, length: 4.02 }),
+            ("tape w12 = 0.9 m", Command::TapeWall { wall: 11, length: 0.9 }),
             ("placed", Command::Placed(None)),
             ("placed=1,-2.5,90", Command::Placed(Some(Pose::new(1.0, -2.5, angle::FRAC_PI_2)))),
             ("speed 50", Command::Speed(Speed::of(50.0).unwrap())),
@@ -217,6 +240,10 @@ mod tests {
             ("alpha inf", "alpha needs metres"),
             ("tape 5", "a taped length is X,Y:X,Y=M"),
             ("tape 0,0:5,0=0.1", "a taped length is 0.2 m at least"),
+            ("tape W=3", "a wall's taped length is WALL=M"),
+            ("tape W0=3", "a wall's taped length is WALL=M"),
+            ("tape W3", "a wall's taped length is WALL=M"),
+            ("tape W\u{fc}=3", "a wall's taped length is WALL=M"),
             ("placed 3", "placed takes nothing or a pose: a pose is X,Y,DEG"),
             ("placed 1,2,nan", "placed takes nothing or a pose: `nan` is not a finite number"),
             ("speed 3", "speed needs one of 1, 2, 5"),

@@ -38,6 +38,8 @@ pub enum Overlay {
     None,
     /// The help, scrolled down by so many lines.
     Help(u16),
+    /// The list of what was found, scrolled down by so many lines.
+    List(u16),
     /// The command line with what was typed so far.
     Line(Prompt),
     /// The question whether to leave although the robot moves.
@@ -84,6 +86,8 @@ pub struct Layers {
     pub plan: Layer,
     /// The lines rejected from it.
     pub rejected: Layer,
+    /// The numbers of the walls.
+    pub walls: Layer,
 }
 
 impl Default for Layers {
@@ -93,6 +97,7 @@ impl Default for Layers {
             trajectory: Layer::UNDER_WAY,
             plan: Layer::UNDER_WAY,
             rejected: Layer::HIDDEN,
+            walls: Layer::HIDDEN,
         }
     }
 }

@@ -8,9 +8,10 @@ use super::key::Key;
 use super::layout::Regions;
 use super::model::{Asked, Camera, Hint, Model, Overlay, Standing};
 use super::prompt::{Prompt, Typed};
+use super::view::list::wall_name;
 use super::view::log::scrolled;
 use super::view::map::viewport;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Piece, Point, Vector};
 use crate::mapping::settings::ALPHA;
 use crate::mapping::tape::Tape;
 use crate::robot::Intent;
@@ -88,7 +89,16 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
                 refuse(model, format!("{key} does nothing here; {help} shows the keys"))
             }
         }
-        Overlay::Help(scroll) => press_in_help(model, key, action, scroll),
+        Overlay::Help(scroll) => {
+            let end = super::view::help::last_scroll(model);
+            model.overlay = paged(key, action, scroll, end).map_or(Overlay::None, Overlay::Help);
+            Vec::new()
+        }
+        Overlay::List(scroll) => {
+            let end = super::view::list::last_scroll(model, snapshot);
+            model.overlay = paged(key, action, scroll, end).map_or(Overlay::None, Overlay::List);
+            Vec::new()
+        }
         Overlay::Line(prompt) => press_in_line(model, snapshot, key, prompt),
         Overlay::ConfirmQuit => {
             if key.typed() == Some('y') || action == Some(Action::Quit) {
@@ -160,10 +170,12 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         | Action::ToggleTrajectory
         | Action::TogglePlan
         | Action::ToggleRejected
+        | Action::ToggleWalls
         | Action::ToggleDetail => toggle(model, snapshot, action),
         Action::LogUp => scroll(model, snapshot, -LOG_STEP),
         Action::LogDown => scroll(model, snapshot, LOG_STEP),
         Action::Help => model.overlay = Overlay::Help(0),
+        Action::List => model.overlay = Overlay::List(0),
         Action::CommandLine => model.overlay = Overlay::Line(Prompt::default()),
         Action::Redraw => return vec![Effect::Redraw],
         Action::Suspend => return vec![Effect::Intent(Intent::Stop), Effect::Suspend],
@@ -304,6 +316,7 @@ fn toggle(model: &mut Model, snapshot: &Snapshot, action: Action) {
         Action::ToggleTrajectory => Some(&mut layers.trajectory),
         Action::TogglePlan => Some(&mut layers.plan),
         Action::ToggleRejected => Some(&mut layers.rejected),
+        Action::ToggleWalls => Some(&mut layers.walls),
         _ => None,
     };
     let shown = if let Some(layer) = layer {
@@ -353,21 +366,18 @@ fn pan(model: &mut Model, snapshot: &Snapshot, direction: Vector) {
     }
 }
 
-fn press_in_help(model: &mut Model, key: Key, action: Option<Action>, scroll: u16) -> Vec<Effect> {
-    let moved = match action {
-        Some(Action::PanDown) => Some(scroll.saturating_add(1)),
-        Some(Action::PanUp) => Some(scroll.saturating_sub(1)),
-        Some(Action::LogDown) => Some(scroll.saturating_add(8)),
-        Some(Action::LogUp) => Some(scroll.saturating_sub(8)),
-        _ if key.is(KeyCode::Down) => Some(scroll.saturating_add(1)),
-        _ if key.is(KeyCode::Up) => Some(scroll.saturating_sub(1)),
-        _ => None,
+/// How far a page that lies over the screen is scrolled after a key; none when the key leaves it.
+fn paged(key: Key, action: Option<Action>, scroll: u16, end: u16) -> Option<u16> {
+    let scroll = match action {
+        Some(Action::PanDown) => scroll.saturating_add(1),
+        Some(Action::PanUp) => scroll.saturating_sub(1),
+        Some(Action::LogDown) => scroll.saturating_add(8),
+        Some(Action::LogUp) => scroll.saturating_sub(8),
+        _ if key.is(KeyCode::Down) => scroll.saturating_add(1),
+        _ if key.is(KeyCode::Up) => scroll.saturating_sub(1),
+        _ => return None,
     };
-    if let Some(scroll) = moved {
-        let end = super::view::help::last_scroll(model);
-        model.overlay = Overlay::Help(scroll.min(end));
-    }
-    Vec::new()
+    Some(scroll.min(end))
 }
 
 fn press_in_line(model: &mut Model, snapshot: &Snapshot, key: Key, prompt: Prompt) -> Vec<Effect> {
@@ -388,7 +398,9 @@ fn press_in_line(model: &mut Model, snapshot: &Snapshot, key: Key, prompt: Promp
 
 fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
     match command {
-        Command::Alpha(_) | Command::Tape(_) | Command::Placed(_) if snapshot.recorded => {
+        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
+            if snapshot.recorded =>
+        {
             only_looked_at(model)
         }
         Command::Action(action) => perform(model, snapshot, action),
@@ -396,6 +408,12 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
         Command::Tape(Tape { from, to, length }) => {
             vec![Effect::Intent(Intent::SetTape { from, to, length })]
         }
+        Command::TapeWall { wall, length } => match tape_of(snapshot, wall, length) {
+            Ok(Tape { from, to, length }) => {
+                vec![Effect::Intent(Intent::SetTape { from, to, length })]
+            }
+            Err(why) => refuse(model, why),
+        },
         Command::Placed(Some(near)) if is_outside(snapshot, near.position) => {
             let at = near.position;
             refuse(model, format!("{:.2},{:.2} lies outside the room", at.x, at.y))
@@ -404,6 +422,24 @@ fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect>
         Command::Speed(speed) => set_speed(model, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
         Command::At(seconds) => vec![Effect::GoTo(seconds)],
+    }
+}
+
+/// The tape held from end to end of a wall, counted from 0; in words why it cannot be.
+fn tape_of(snapshot: &Snapshot, wall: usize, length: f64) -> Result<Tape, String> {
+    let Some(shape) = &snapshot.map.shape else {
+        return Err("no wall is known yet; the tape can be given by places: X,Y:X,Y=M".to_owned());
+    };
+    let name = wall_name(wall);
+    match shape.outline.pieces.get(wall) {
+        None => Err(format!(
+            "there is no {name}: the last is {}",
+            wall_name(shape.outline.pieces.len().saturating_sub(1))
+        )),
+        Some(Piece::Arc { .. }) => Err(format!("{name} is bent, and a tape is straight")),
+        Some(&Piece::Line { from, to }) => {
+            Tape { from, to, length }.checked().map_err(|error| error.to_string())
+        }
     }
 }
 
@@ -482,6 +518,33 @@ mod tests {
         // With a boundary it looks for its place by itself.
         snapshot.map.closed = true;
         assert_eq!(perform(&mut model, &snapshot, Action::RunPause).len(), 1);
+    }
+
+    #[test]
+    fn a_wall_is_taped_by_its_number_on_the_list() {
+        use crate::geometry::Ring;
+        use crate::mapping::map::{Shape, ShapeClass};
+        let (mut model, mut snapshot) = waiting();
+        let tape = |model: &mut Model, snapshot: &Snapshot, wall, length| {
+            let effects = obey(model, snapshot, Command::TapeWall { wall, length });
+            (effects, model.hint.take().map_or_else(String::new, |hint| hint.text))
+        };
+        let (none, said) = tape(&mut model, &snapshot, 0, 4.0);
+        assert!(none.is_empty() && said.contains("X,Y:X,Y=M"), "{said}");
+        let corners =
+            [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(|(x, y)| Point::new(x, y));
+        let (outline, vertices) = (Ring::polygon(&corners), corners.to_vec());
+        let class = ShapeClass::Convex;
+        snapshot.map.shape = Some(Shape { class, outline, vertices, parts: Vec::new() });
+        let (taped, _) = tape(&mut model, &snapshot, 1, 3.02);
+        let [Effect::Intent(Intent::SetTape { from, to, length })] = taped[..] else {
+            panic!("{taped:?}")
+        };
+        assert_eq!((from, to, length), (corners[1], corners[2], 3.02));
+        let (none, said) = tape(&mut model, &snapshot, 4, 3.0);
+        assert!(none.is_empty() && said.contains("no W5: the last is W4"), "{said}");
+        let (none, said) = tape(&mut model, &snapshot, 0, 0.1);
+        assert!(none.is_empty() && said.contains("at least"), "{said}");
     }
 
     #[test]

@@ -12,12 +12,13 @@
 //! footer   space stop  r run/pause  n command  e event  p phase  ? help  q quit
 //! ```
 //!
-//! On wide screens the log stands below the panel. Banner, help and prompt lie over that.
+//! On wide screens the log stands below the panel. Banner, help, list and prompt lie over that.
 
 mod banner;
 mod footer;
 mod header;
 pub mod help;
+pub mod list;
 pub mod log;
 pub mod map;
 mod panel;
@@ -55,8 +56,10 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
     let top = regions.footer.y - taken;
     let footer = Rect { y: top, height: taken + regions.footer.height, ..regions.footer };
     footer::draw(model, snapshot, theme, footer, buf);
-    if let Overlay::Help(scroll) = model.overlay {
-        help::draw(model, scroll, theme, area, buf);
+    match model.overlay {
+        Overlay::Help(scroll) => help::draw(model, scroll, theme, area, buf),
+        Overlay::List(scroll) => list::draw(model, snapshot, scroll, theme, area, buf),
+        _ => {}
     }
 }
 

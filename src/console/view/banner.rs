@@ -68,7 +68,7 @@ pub(super) fn question(model: &Model, snapshot: &Snapshot) -> Option<[String; 2]
             "The run ends here for good; what is mapped is kept.",
             "End it?   y yes   any other key no",
         ],
-        Overlay::None | Overlay::Help(_) | Overlay::Line(_) => return None,
+        Overlay::None | Overlay::Help(_) | Overlay::List(_) | Overlay::Line(_) => return None,
     };
     Some(lines.map(str::to_owned))
 }

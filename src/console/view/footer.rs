@@ -164,6 +164,7 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
             }
             Action::AlphaDown | Action::AlphaUp => snapshot.alpha_is_open,
             Action::SlowDown | Action::SpeedUp => !over && model.speed.is_some(),
+            Action::List => snapshot.map.shape.is_some(),
             // What the map at the end leaves out.
             Action::ToggleTrajectory | Action::TogglePlan | Action::Square => over,
             _ => true,

@@ -1,6 +1,6 @@
 //! The help: every action with its keys, from the one table; what the map shows, and the words beside it.
 
-use super::pen::Pen;
+use super::pen::{Pen, Piece};
 use super::words;
 use crate::console::action::{ACTIONS, Group};
 use crate::console::command::COMMANDS;
@@ -9,7 +9,8 @@ use crate::console::theme::{Role, Theme};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-type Line = Vec<(Role, String)>;
+/// A line of a page that lies over the screen.
+pub(super) type Line = Vec<Piece>;
 
 /// What the colours and patterns of the map mean.
 const LEGEND: [(Role, &str, &str); 13] = [
@@ -103,21 +104,38 @@ fn lines(model: &Model) -> Vec<Line> {
 /// How far the help can be scrolled.
 #[must_use]
 pub fn last_scroll(model: &Model) -> u16 {
-    let room = usize::from(model.size.1.saturating_sub(5));
-    u16::try_from(lines(model).len().saturating_sub(room)).unwrap_or(u16::MAX)
+    last_scroll_of(lines(model).len(), model.size.1)
+}
+
+/// How far a page of so many lines can be scrolled on a screen of so many rows.
+pub(super) fn last_scroll_of(lines: usize, rows: u16) -> u16 {
+    let room = usize::from(rows.saturating_sub(5));
+    u16::try_from(lines.saturating_sub(room)).unwrap_or(u16::MAX)
 }
 
 pub(super) fn draw(model: &Model, scroll: u16, theme: &Theme, area: Rect, buf: &mut Buffer) {
+    draw_page("help", &lines(model), scroll, theme, area, buf);
+}
+
+/// Draws `lines` over the whole screen, from the one so far down on.
+pub(super) fn draw_page(
+    name: &str,
+    lines: &[Line],
+    scroll: u16,
+    theme: &Theme,
+    area: Rect,
+    buf: &mut Buffer,
+) {
     let frame = Rect::new(area.x, area.y + 1, area.width, area.height.saturating_sub(2));
     let mut pen = Pen::new(buf, theme, frame);
     pen.clear(frame);
-    let title = " help · up and down scroll, any other key leaves ";
-    pen.text(frame.x + 2, frame.y, title, Role::Title);
-    if scroll < last_scroll(model) {
-        pen.text_right(frame.right() - 2, frame.bottom() - 1, " more below ", Role::Title);
-    }
-    let shown = lines(model).into_iter().skip(usize::from(scroll));
+    let title = format!(" {name} · up and down scroll, any other key leaves ");
+    pen.text(frame.x + 2, frame.y, &title, Role::Title);
+    let shown = lines.iter().skip(usize::from(scroll));
     for (y, line) in (frame.y + 2..frame.bottom() - 1).zip(shown) {
-        pen.pieces(frame.x + 2, y, &line);
+        pen.pieces(frame.x + 2, y, line);
+    }
+    if scroll < last_scroll_of(lines.len(), area.height) {
+        pen.text_right(frame.right() - 2, frame.bottom() - 1, " more below ", Role::Title);
     }
 }

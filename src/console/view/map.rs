@@ -82,7 +82,8 @@ pub fn draw(
     draw_floor(&mut canvas, snapshot, model.layers);
     draw_robot(&mut canvas, snapshot);
     canvas.blit(theme, area, buf);
-    labels::draw(&canvas, snapshot, theme, area, buf);
+    let with_walls = model.layers.walls.is_shown(snapshot.run.is_over());
+    labels::draw(&canvas, snapshot, with_walls, theme, area, buf);
     draw_scale(&canvas, theme, area, buf);
 }
 

@@ -1,11 +1,13 @@
-//! The numbers of the objects: within an object that has room for its own, else beside it; never over
-//! a wall, an object or another number. Knows what is drawn already, not what it is of.
+//! The numbers of the objects: within an object that has room for its own, else beside it. The numbers of the
+//! walls, where they are asked for: beside the middle of each. Never over a wall, an object or another number.
+//! Knows what is drawn already, not what it is of.
 
 use crate::console::canvas::Canvas;
 use crate::console::canvas::viewport::{DOTS_X, DOTS_Y};
 use crate::console::theme::{Role, Theme};
+use crate::console::view::list::wall_name;
 use crate::console::view::pen::{Pen, width};
-use crate::geometry::{Point, Ring};
+use crate::geometry::{Piece, Point, Ring};
 use crate::session::Snapshot;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -31,6 +33,7 @@ impl Box {
 pub(super) fn draw(
     canvas: &Canvas,
     snapshot: &Snapshot,
+    with_walls: bool,
     theme: &Theme,
     area: Rect,
     buf: &mut Buffer,
@@ -42,12 +45,59 @@ pub(super) fn draw(
         .iter()
         .map(|object| (format!("O{}", object.id), &object.outline))
         .collect();
-    for ((label, _), place) in objects.iter().zip(places(canvas, &objects)) {
+    let places = places(canvas, &objects);
+    let mut write = |label: &str, place: &Box, role: Role| {
+        let (col, row) = (place.left as u16, place.top as u16);
+        pen.text(area.x + col, area.y + row, label, role);
+    };
+    for ((label, _), place) in objects.iter().zip(&places) {
         if let Some(place) = place {
-            let (col, row) = (place.left as u16, place.top as u16);
-            pen.text(area.x + col, area.y + row, label, Role::Object);
+            write(label, place, Role::Object);
         }
     }
+    if let Some(shape) = snapshot.map.shape.as_ref().filter(|_| with_walls) {
+        let mut taken: Vec<Box> = places.into_iter().flatten().collect();
+        for (k, piece) in shape.outline.pieces.iter().enumerate() {
+            let label = wall_name(k);
+            let wide = i32::from(width(&label));
+            if let Some(place) = beside_wall(canvas, piece, &shape.outline, wide, &taken) {
+                write(&label, &place, Role::Wall);
+                taken.push(place);
+            }
+        }
+    }
+}
+
+/// A wall shorter than its number is wide, and as much again, has none, in cells.
+const SHORTEST_WALL: f64 = 6.0;
+
+/// Where a number `wide` stands beside the middle of a wall, clear of those `taken`.
+fn beside_wall(
+    canvas: &Canvas,
+    wall: &Piece,
+    outline: &Ring,
+    wide: i32,
+    taken: &[Box],
+) -> Option<Box> {
+    let cells = wall.length() / (canvas.view().scale * f64::from(DOTS_X));
+    if cells < SHORTEST_WALL {
+        return None;
+    }
+    let (x, y) = canvas.view().to_dots(wall.at(0.5));
+    let (left, top) = (cell(x, DOTS_X), cell(y, DOTS_Y));
+    let own = Box { left, top, right: left + 1, bottom: top + 1 };
+    let free = |place: &Box| {
+        !place.meets(&own, 0)
+            && !taken.iter().any(|other| other.meets(place, 1))
+            && is_clear(canvas, place)
+    };
+    // Outside, where there is nothing else.
+    let is_outside = |place: &&Box| {
+        let middle = f64::from(place.left + place.right) / 2.0;
+        !outline.contains(on_floor(canvas, middle, place))
+    };
+    let free: Vec<Box> = candidates(&own, wide).into_iter().filter(free).collect();
+    free.iter().find(is_outside).or(free.first()).copied()
 }
 
 /// Where the number of each object stands; none where there is no place for it.
@@ -95,16 +145,17 @@ fn candidates(own: &Box, wide: i32) -> [Box; 9] {
 /// Whether a place over the box of its object lies in the object: the bay of a concave one is floor.
 fn inside_first(canvas: &Canvas, place: &Box, ring: &Ring, own: &Box) -> bool {
     !place.meets(own, 0)
-        || (place.left..place.right).all(|col| {
-            let view = canvas.view();
-            let cell = (f64::from(DOTS_X), f64::from(DOTS_Y));
-            let x = (f64::from(col) + 0.5) * cell.0 - f64::from(view.cols) * cell.0 / 2.0;
-            let y = f64::from(view.rows) * cell.1 / 2.0 - (f64::from(place.top) + 0.5) * cell.1;
-            ring.contains(Point::new(
-                view.center.x + x * view.scale,
-                view.center.y + y * view.scale,
-            ))
-        })
+        || (place.left..place.right)
+            .all(|col| ring.contains(on_floor(canvas, f64::from(col) + 0.5, place)))
+}
+
+/// The floor under a column of a place.
+fn on_floor(canvas: &Canvas, col: f64, place: &Box) -> Point {
+    let view = canvas.view();
+    let cell = (f64::from(DOTS_X), f64::from(DOTS_Y));
+    let x = col * cell.0 - f64::from(view.cols) * cell.0 / 2.0;
+    let y = f64::from(view.rows) * cell.1 / 2.0 - (f64::from(place.top) + 0.5) * cell.1;
+    Point::new(view.center.x + x * view.scale, view.center.y + y * view.scale)
 }
 
 /// Whether a place is in view, above the row of the scale, and nothing of the map is under it.
@@ -132,12 +183,16 @@ fn is_beside_another(canvas: &Canvas, place: &Box, own: &Box) -> bool {
     })
 }
 
+/// The cell at so many dots, of so many dots each.
+fn cell(dots: f64, size: u16) -> i32 {
+    (dots / f64::from(size)).floor().clamp(-1e6, 1e6) as i32
+}
+
 /// The cells that `ring` takes.
 fn around(canvas: &Canvas, ring: &Ring) -> Option<Box> {
     let (low, high) = ring.bounds()?;
     let (left, bottom) = canvas.view().to_dots(low);
     let (right, top) = canvas.view().to_dots(high);
-    let cell = |dots: f64, size: u16| (dots / f64::from(size)).floor().clamp(-1e6, 1e6) as i32;
     Some(Box {
         left: cell(left, DOTS_X),
         top: cell(top, DOTS_Y),

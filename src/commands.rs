@@ -97,10 +97,11 @@ fn only_real(resume: Option<&Path>) -> Result<(), CommandError> {
              seed: `periplus run --world FILE --seed {} --out DIR`, with the other flags as they were",
             header.settings.seed
         ),
-        Err(error) => format!(
-            "{error}; it takes the folder of a run of a real robot, and --port; a simulated run is \
-             made again by its seed"
-        ),
+        Err(error) => {
+            let why = "takes the folder of a run of a real robot, and --port; a simulated run is made \
+                       again by its seed";
+            return Err(CommandError::Input(format!("{error}; --resume {why}")));
+        }
     };
     Err(CommandError::Input(format!("--resume {}: {why}", dir.display())))
 }

@@ -127,6 +127,38 @@ fn a_settings_file_is_told_by_file_line_and_key() {
 }
 
 #[test]
+fn a_file_that_is_not_there_is_told_with_what_it_was_to_be() {
+    let world = "sims/rectangle.toml";
+    for (arguments, words) in [
+        (
+            &["run", "--world", world, "--out", "x", "--chassis", "nosuch"][..],
+            "the chassis nosuch: ",
+        ),
+        (&["run", "--world", world, "--out", "x", "--config", "nosuch"], "the config nosuch: "),
+        (&["replay", "nosuch"], "the record nosuch: "),
+        (&["run", "--resume", "nosuch"], "the record nosuch: "),
+        // An address of nobody (RFC 5737): there is no port to have rights to.
+        (&["robot", "--world", world, "--port", "tcp://192.0.2.1:80"], "cannot be waited at"),
+    ] {
+        refused(arguments, &[words]);
+    }
+}
+
+#[test]
+fn what_nobody_can_meet_in_a_world_is_told() {
+    let file = place("outside").join("room.toml");
+    let text = include_str!("../sims/rectangle.toml").to_owned()
+        + "\n[[objects]]\nname = \"far\"\ncircle = { center = [50, 50], radius = 0.2 }\n";
+    fs::write(&file, text).expect("a file");
+    let output = periplus(&["check", file.to_str().expect("a plain path"), "sims/rectangle.toml"]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    let lines: Vec<&str> = told.lines().collect();
+    assert!(lines[0].contains("object \"far\" lies outside the room"), "{told}");
+    assert!(lines[1].contains("ok, world of") && !lines[1].contains("outside"), "{told}");
+}
+
+#[test]
 fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     let dir = place("check");
     let file = dir.join("other.toml");

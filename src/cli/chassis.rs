@@ -25,7 +25,7 @@ use toml::de::{DeTable, DeValue};
 /// # Errors
 /// When the file cannot be read, a key is unknown or a value is refused.
 pub fn read(path: &Path) -> Result<Chassis, ArgumentError> {
-    let file = SettingsFile::open(path)?;
+    let file = SettingsFile::open(path, "the chassis")?;
     let table = file.table()?;
     let mut chassis = Chassis::default();
     let entries = file.entries(table.get_ref());

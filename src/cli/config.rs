@@ -30,7 +30,7 @@ const KEYS: [&str; 17] = [
 /// # Errors
 /// When the file cannot be read, a key is unknown or a value is refused.
 pub fn read(path: &Path, flags: &mut Common) -> Result<Places, ArgumentError> {
-    let file = SettingsFile::open(path)?;
+    let file = SettingsFile::open(path, "the config")?;
     let table = file.table()?;
     let mut places = Places::default();
     let entries = file.entries(table.get_ref());

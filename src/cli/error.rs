@@ -29,12 +29,22 @@ pub enum ArgumentError {
         limit: f64,
     },
     /// A settings file that cannot be opened.
-    #[error("{}: {reason}", path.display())]
+    #[error("{what} {}: cannot be read: {reason}", path.display())]
     Unreadable {
+        /// What it was to be.
+        what: &'static str,
         /// The file.
         path: PathBuf,
         /// What the system said.
         reason: String,
+    },
+    /// A settings file whose values do not go together.
+    #[error("{}: {problem}", path.display())]
+    Whole {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
     },
     /// A settings file with something wrong in it.
     #[error("{}:{line}: {problem}", path.display())]

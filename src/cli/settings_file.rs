@@ -26,11 +26,11 @@ pub struct Entry<'t> {
 }
 
 impl SettingsFile {
-    /// Reads the text of the file.
+    /// Reads the text of the file; `what` it is to be is for the complaint.
     ///
     /// # Errors
     /// When it cannot be opened or is not text.
-    pub fn open(path: &Path) -> Result<Self, ArgumentError> {
+    pub fn open(path: &Path, what: &'static str) -> Result<Self, ArgumentError> {
         match std::fs::read_to_string(path) {
             Ok(mut text) => {
                 // Some editors put a mark of the byte order before everything else.
@@ -40,7 +40,8 @@ impl SettingsFile {
                 Ok(Self { path: path.to_owned(), text })
             }
             Err(error) => {
-                Err(ArgumentError::Unreadable { path: path.to_owned(), reason: error.to_string() })
+                let (path, reason) = (path.to_owned(), error.to_string());
+                Err(ArgumentError::Unreadable { what, path, reason })
             }
         }
     }
@@ -77,7 +78,7 @@ impl SettingsFile {
 
     /// The complaint about values that do not go together.
     pub fn whole(&self, why: &str) -> ArgumentError {
-        ArgumentError::Unreadable { path: self.path.clone(), reason: why.to_owned() }
+        ArgumentError::Whole { path: self.path.clone(), problem: why.to_owned() }
     }
 
     /// The complaint about the value of a key.

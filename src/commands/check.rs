@@ -5,6 +5,7 @@ use crate::cli::CheckArgs;
 use crate::cli::settings_file::SettingsFile;
 use crate::robot::Chassis;
 use crate::simulator::World;
+use std::fmt::Write;
 use std::path::Path;
 
 /// Checks all files.
@@ -46,7 +47,7 @@ fn verdict(path: &Path) -> Result<String, String> {
 }
 
 fn toml(path: &Path) -> Result<String, String> {
-    let file = SettingsFile::open(path).map_err(|error| error.to_string())?;
+    let file = SettingsFile::open(path, "the file").map_err(|error| error.to_string())?;
     let table = file.table().map_err(|error| error.to_string())?;
     let keys = file.entries(table.get_ref());
     let has = |key: &str| keys.iter().any(|entry| entry.key == key);
@@ -64,5 +65,19 @@ fn toml(path: &Path) -> Result<String, String> {
 
 fn world(path: &Path) -> Result<String, String> {
     let radius = Chassis::default().radius;
-    World::load(path, radius).map(|_| "world".to_owned()).map_err(|error| error.to_string())
+    World::load(path, radius).map(|world| describe(&world)).map_err(|error| error.to_string())
+}
+
+/// How large a world is, what stands in it, and what nobody will ever meet there.
+fn describe(world: &World) -> String {
+    let (low, high) = world.boundary.bounds().unwrap_or_default();
+    let objects = crate::wording::count(world.objects.len(), "object", "objects");
+    let mut text = format!("world of {:.2} × {:.2} m, {objects}", high.x - low.x, high.y - low.y);
+    for object in &world.objects {
+        if !object.ring.to_points(0.01).iter().any(|point| world.boundary.contains(*point)) {
+            let _ =
+                write!(text, "; object \"{}\" lies outside the room: nobody meets it", object.name);
+        }
+    }
+    output::harmless(&text)
 }

@@ -62,7 +62,7 @@ pub(super) fn keymap(path: Option<&Path>) -> Result<Keymap, CommandError> {
     };
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path)
-        .map_err(|why| CommandError::Input(format!("{name}: cannot be read: {why}")))?;
+        .map_err(|why| CommandError::Input(format!("the keymap {name}: cannot be read: {why}")))?;
     Keymap::parse(&text, &name).map_err(|error| CommandError::Input(error.to_string()))
 }
 

@@ -47,7 +47,7 @@ pub struct Torn {
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// It cannot be opened.
-    #[error("{}: {reason}", path.display())]
+    #[error("the record {}: cannot be read: {reason}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,

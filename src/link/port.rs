@@ -103,6 +103,16 @@ pub enum PortError {
         /// What the system said.
         reason: String,
     },
+    /// Nobody can be waited for there.
+    #[error(
+        "{port}: cannot be waited at: {reason}; the address is one of this machine's, the port a free one"
+    )]
+    Taken {
+        /// The address.
+        port: String,
+        /// What the system said.
+        reason: String,
+    },
     /// The bridge does not answer.
     #[error("{port}: cannot be reached: {reason}; is the bridge on, and the address right?")]
     Unreachable {
@@ -193,7 +203,7 @@ impl RobotEnd {
         match address {
             Address::Serial { path, baud } => Ok(Self::Serial(serial(path, *baud)?)),
             Address::Tcp { place } => {
-                TcpListener::bind(place).await.map(Self::Tcp).map_err(|error| PortError::Refused {
+                TcpListener::bind(place).await.map(Self::Tcp).map_err(|error| PortError::Taken {
                     port: address.to_string(),
                     reason: error.to_string(),
                 })

@@ -19,13 +19,26 @@ pub struct SimulatedDriver<W: Write> {
     folder: Option<OutputFolder>,
     /// Which state of the run the results that were written are of.
     written: Option<u64>,
+    /// When the record was handed on last, on the wall clock, seconds.
+    handed_on: f64,
 }
+
+/// A program that is killed loses no more than so much of its record, wall seconds: a simulated run is made
+/// again by its seed, but the keys of its operator are not.
+const LOST_AT_MOST: f64 = 1.0;
 
 impl<W: Write> SimulatedDriver<W> {
     /// Hands `run` to the operator; from now on its time on the wall clock is taken.
     #[must_use]
     pub fn new(run: SimulatedRun<W>) -> Self {
-        Self { run, owed: 0.0, watch: Stopwatch::start(), folder: None, written: None }
+        Self {
+            run,
+            owed: 0.0,
+            watch: Stopwatch::start(),
+            folder: None,
+            written: None,
+            handed_on: 0.0,
+        }
     }
 
     /// The same run, whose results go to `folder` as soon as it has ended: whatever becomes of the
@@ -76,14 +89,18 @@ impl<W: Write> Driver for SimulatedDriver<W> {
     fn advance(&mut self, seconds: f64) {
         self.write_ended();
         self.owed += seconds;
-        while self.owed >= STEP {
+        while self.owed >= STEP && self.run.is_under_way() {
             self.owed -= STEP;
-            // While nothing is under way simulated time stands still.
-            if !self.run.is_under_way() {
-                self.owed = 0.0;
-                return;
-            }
             self.run.advance();
+        }
+        let now = self.watch.seconds();
+        // While nothing is under way simulated time stands still.
+        if !self.run.is_under_way() {
+            self.owed = 0.0;
+            self.run.hand_record_on();
+        } else if now - self.handed_on > LOST_AT_MOST {
+            self.handed_on = now;
+            self.run.hand_record_on();
         }
     }
 
@@ -139,5 +156,63 @@ impl Clock for RealClock {
 
     fn signal(&self) -> Option<u8> {
         self.signals.received().map(super::Signal::number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::reader::parse;
+    use crate::journal::{Header, Journal};
+    use crate::mapping::settings::Settings;
+    use crate::simulator::{NoiseProfile, World};
+    use std::cell::RefCell;
+    use std::io;
+    use std::rc::Rc;
+
+    /// A file that others read while it is written.
+    #[derive(Clone, Default)]
+    struct Shared(Rc<RefCell<Vec<u8>>>);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.borrow_mut().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_console_that_is_killed_between_two_commands_has_recorded_the_first() {
+        let text = include_str!("../../sims/rectangle.toml");
+        let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+        let header = Header {
+            settings: Settings::new(world.start),
+            source: "rectangle".to_owned(),
+            noise: String::new(),
+            until: None,
+            robot: None,
+        };
+        let file = Shared::default();
+        let journal = Journal::begin(file.clone(), &header).expect("memory");
+        let run = SimulatedRun::new(&world, header, NoiseProfile::None, Some(journal));
+        let mut driver = SimulatedDriver::new(run);
+        driver.intent(Intent::StepCommand);
+        for _ in 0..1000 {
+            driver.advance(0.1);
+            if driver.is_at_rest() {
+                break;
+            }
+        }
+        let recording = parse(Path::new("journal"), &file.0.borrow()).expect("a record");
+        assert!(recording.torn.is_none());
+        let mut replay = crate::session::Replay::new(recording);
+        replay.finish();
+        let time = |session: &crate::session::Session| session.mission().tracker().time_us();
+        assert_eq!(time(replay.session()), time(driver.run.session()));
+        assert!(time(replay.session()) > 1_000_000, "it drove");
     }
 }

@@ -183,6 +183,13 @@ impl<W: Write> SimulatedRun<W> {
         }
     }
 
+    /// Hands on all that is recorded so far.
+    pub fn hand_record_on(&mut self) {
+        if let Some(journal) = &mut self.journal {
+            journal.flush();
+        }
+    }
+
     /// Copies the record so far to `copy`; a run that keeps none has nothing to copy.
     fn copy_record(&mut self, mut copy: impl Write) -> io::Result<()> {
         let Some(journal) = &mut self.journal else { return Ok(()) };

@@ -14,6 +14,12 @@ pub fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 
+/// How a run ended and why, without saying it twice.
+#[must_use]
+pub fn ended(outcome: &str, reason: &str) -> String {
+    if reason.starts_with(outcome) { reason.to_owned() } else { format!("{outcome}: {reason}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

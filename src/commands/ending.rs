@@ -2,6 +2,7 @@
 
 use super::{CommandError, output};
 use crate::runtime::{Ending, OutputFolder};
+use crate::wording::ended;
 
 /// What is told on standard output when a run is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,14 +79,9 @@ pub fn print(ending: &Ending, folder: &OutputFolder, kept: &Kept) -> Result<(), 
     output::print(&format!("{told}; {what}\n"))
 }
 
-/// How a run ended and why, without saying it twice.
+/// How a run ended and why.
 fn told(ending: &Ending) -> String {
-    let outcome = format!("{:?}", ending.outcome).to_lowercase();
-    if ending.reason.starts_with(&outcome) {
-        ending.reason.clone()
-    } else {
-        format!("{outcome}: {}", ending.reason)
-    }
+    ended(&format!("{:?}", ending.outcome).to_lowercase(), &ending.reason)
 }
 
 #[cfg(test)]

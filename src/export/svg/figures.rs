@@ -4,7 +4,7 @@ use super::super::{Outcome, PHASES, RunRecord};
 use super::{Options, dimensions, pens};
 use crate::geometry::Ring;
 use crate::mapping::map::{Part, PartClass, Phase, Shape, ShapeClass};
-use crate::wording::{clock, count};
+use crate::wording::{clock, count, ended};
 
 /// One line each for the place, how well it is known, the plan, what was not reached, and the run.
 pub(super) fn lines(record: &RunRecord<'_>, wall: Option<&Ring>) -> Vec<String> {
@@ -153,7 +153,7 @@ fn run(record: &RunRecord<'_>) -> String {
         words = vec![format!("{outcome} up to the {last} phase")];
     }
     if record.outcome != Outcome::Complete || record.map.shortfall().is_some() {
-        words = vec![format!("{outcome}: {}", record.reason)];
+        words = vec![ended(outcome, record.reason)];
     }
     words.push(format!("{travel:.1} m driven in {}", clock(seconds)));
     if let Some(off) = &record.map.misclosure {

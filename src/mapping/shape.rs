@@ -27,6 +27,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod through;
+mod whole;
 
 pub use assemble::Loops;
 pub use chord::mouths;
@@ -160,7 +161,8 @@ fn fitted(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<R
         return Some(circle);
     }
     let runs = segment::runs(&mut samples, sigma);
-    assemble::ring(&Judge { samples: &samples, sigma, reach }, &runs, loops)
+    let judge = Judge { samples: &samples, sigma, reach };
+    assemble::ring(&judge, &runs, loops).map(|ring| whole::closed(ring, &judge))
 }
 
 /// The surface contacts, near doubles taken together, each with the edges that follow it.

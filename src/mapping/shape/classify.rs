@@ -11,7 +11,7 @@ pub const TURN_POINT: f64 = angle::PI / 180.0;
 /// A bay shallower than this does not make an outline concave, metres: the noise of a wall ...
 pub(super) const SHALLOW: f64 = 0.008;
 /// ... which a walking gyro bends by this share of its length.
-const BENT: f64 = 0.004;
+pub(super) const BENT: f64 = 0.004;
 /// An arc counts as a curve from this span on, radians: 25 degrees.
 const CURVE_SPAN: f64 = 25.0 * angle::PI / 180.0 - 1e-3;
 

@@ -56,6 +56,11 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
+    /// A piece that no contact is farther from than this explains them all, metres.
+    pub(super) fn tolerance(&self) -> f64 {
+        3.0 * self.sigma + 0.003
+    }
+
     /// The joint from run `a` to run `b`, which follows it.
     pub(super) fn joint(&self, a: &Run, b: &Run) -> Joint {
         let (end, start) = (self.foot(a, a.last), self.foot(b, b.first));

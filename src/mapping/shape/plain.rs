@@ -3,92 +3,17 @@
 
 use super::assemble::Vertex;
 use super::corner::Judge;
-use crate::geometry::{Piece, Point};
-
-/// The straight end of an arc is no longer than this, metres, and than this share of the arc; and goes on as the
-/// arc does (cosine).
-const LONGEST_END: f64 = 0.25;
-const END_OF_ARC: f64 = 0.2;
-const GOES_ON: f64 = 0.98;
+use super::whole::with_whole_arcs;
+use crate::geometry::Point;
 
 /// `vertices` as plain as the noise of the contacts that `judge` knows allows.
 pub(super) fn plain(vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
-    let tolerance = 3.0 * judge.sigma + 0.003;
-    let vertices = with_whole_arcs(without_jogs(vertices, tolerance), tolerance);
-    with_corners(without_breaks(vertices, tolerance), judge)
+    with_corners(with_whole_arcs(without_jogs(vertices, judge.tolerance()), judge), judge)
 }
 
 /// No ring has fewer corners than this: one with an arc may have two.
 fn least(vertices: &[Vertex]) -> usize {
     if vertices.iter().all(|vertex| vertex.bulge == 0.0) { 3 } else { 2 }
-}
-
-/// With arcs drawn out over the short straight ends beside them that lie on their circles within `tolerance`
-/// (metres): in the corner of a round room the last contacts make a run of their own.
-fn with_whole_arcs(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
-    let mut k = 0;
-    while vertices.len() > 2 && k < vertices.len() {
-        let count = vertices.len();
-        let [a, b, c] = [0, 1, 2].map(|n| vertices[(k + n) % count]);
-        let whole = whole_arc([a, b, c], tolerance);
-        if let Some(bulge) = whole {
-            vertices[k].bulge = bulge;
-            vertices.remove((k + 1) % count);
-            k = 0;
-        } else {
-            k += 1;
-        }
-    }
-    vertices
-}
-
-/// The bulge of one arc past the middle one of three corners, of which one piece is an arc and the other an end
-/// of it; none where it is no such end.
-fn whole_arc([a, b, c]: [Vertex; 3], tolerance: f64) -> Option<f64> {
-    let pieces = [(a, b), (b, c)].map(|(p, q)| Piece::with_bulge(p.at, q.at, p.bulge));
-    let (arc, end, far) = match pieces {
-        [arc @ Piece::Arc { .. }, end @ Piece::Line { .. }] => (arc, end, c.at),
-        [end @ Piece::Line { .. }, arc @ Piece::Arc { .. }] => (arc, end, a.at),
-        _ => return None,
-    };
-    let Piece::Arc { center, radius, .. } = arc else { return None };
-    let is_on = |p: Point| ((p - center).norm() - radius).abs() < tolerance;
-    let goes_on = arc.tangent(if far == c.at { 1.0 } else { 0.0 }).dot(&end.tangent(0.5)) > GOES_ON;
-    let short = end.length() < LONGEST_END.min(END_OF_ARC * arc.length());
-    (short && goes_on && is_on(far) && is_on(end.at(0.5)))
-        .then(|| Piece::bulge_through(a.at, arc.at(0.5), c.at))
-}
-
-/// Without the joints between two arcs that one arc past them explains within `tolerance` (metres): a
-/// round wall that the gyro bent.
-fn without_breaks(mut vertices: Vec<Vertex>, tolerance: f64) -> Vec<Vertex> {
-    let mut k = 0;
-    while vertices.len() > 2 && k < vertices.len() {
-        let count = vertices.len();
-        let (before, next) = ((k + count - 1) % count, (k + 1) % count);
-        let [a, b, c] = [before, k, next].map(|n| vertices[n]);
-        let middle =
-            |from: Vertex, to: Vertex| Piece::with_bulge(from.at, to.at, from.bulge).at(0.5);
-        let alike = a.bulge * b.bulge > 0.0;
-        let on_it = [middle(a, b), b.at, middle(b, c)];
-        // Of much of a circle, a place near one end of the arc tells little of the rest.
-        let through = on_it.map(|p| Piece::bulge_through(a.at, p, c.at));
-        let worst = |bulge: f64| {
-            let arc = Piece::with_bulge(a.at, c.at, bulge);
-            on_it.iter().map(|p| arc.distance(*p)).fold(0.0, f64::max)
-        };
-        let mean = through.iter().sum::<f64>() / 3.0;
-        let best = through
-            .into_iter()
-            .fold(mean, |best, bulge| if worst(bulge) < worst(best) { bulge } else { best });
-        if alike && worst(best) < tolerance {
-            vertices[before].bulge = best;
-            vertices.remove(k);
-        } else {
-            k += 1;
-        }
-    }
-    vertices
 }
 
 /// Without the corners between straight pieces that a straight piece past them explains within

@@ -1,14 +1,19 @@
 //! Splits a complex outline into polygonal and circular parts (paper III.D), which tile it:
 //! every arc with the floor inside it is cut off along its chord.
 
-use super::classify::SHALLOW;
+use super::classify::{BENT, SHALLOW};
 use crate::geometry::hull::deepest_bay;
 use crate::geometry::simple::{crossings, segments_meet};
-use crate::geometry::{Piece, Point, Ring, angle};
+use crate::geometry::{Piece, Point, Ring, angle, cross};
 use crate::mapping::map::{Part, PartClass, ShapeClass};
 
 /// Flatter arcs than this are left in their polygonal part, metres: the robot's reach covers them.
 const LEAST_SAGITTA: f64 = 0.16;
+/// What is shorter may cut off a corner, metres: body radius and range of the usual robot, which does not touch the
+/// walls in a corner, and somewhat more where that is sharp.
+const CORNER: f64 = 0.2;
+/// Walls that meet in an angle with a smaller sine are one after the other.
+const FLATTEST: f64 = 0.1;
 /// Half a circle within this, radians.
 const HALF_TOLERANCE: f64 = 10.0 * angle::PI / 180.0;
 /// From this span on an arc with its mouth closed is a circle, radians.
@@ -80,30 +85,29 @@ fn arc_class(sweep: f64) -> PartClass {
     }
 }
 
-/// The ring as one circular part: an arc with its chord, or with two radii.
+/// The ring as one circular part: an arc with its chord, or with two radii. What cuts off the corners at the ends of
+/// the arc may be shorter than the robot's reach: nobody can touch those corners, and contacts near them mislead.
 fn circular(pieces: &[Piece], cut: &[bool]) -> Option<Part> {
     let at = pieces.iter().position(|p| matches!(p, Piece::Arc { sweep, .. } if *sweep > 0.0))?;
     let Piece::Arc { center, radius, sweep, .. } = pieces[at] else {
         return None;
     };
-    let straight = |p: &Piece| matches!(p, Piece::Line { .. });
-    if pieces.iter().filter(|p| straight(p)).count() + 1 != pieces.len() {
+    let others: Vec<Piece> = pieces[at + 1..].iter().chain(&pieces[..at]).copied().collect();
+    if !others.iter().all(|piece| matches!(piece, Piece::Line { .. })) {
         return None;
     }
-    let class = match pieces.len() {
-        2 => arc_class(sweep),
-        3 => {
-            let apex = pieces[(at + 1) % 3].to();
-            if (apex - center).norm() > 0.04 * radius + 0.01 {
-                return None;
-            }
-            if (sweep - angle::PI).abs() <= HALF_TOLERANCE {
-                PartClass::Semicircle
-            } else {
-                PartClass::Sector
-            }
+    let class = if is_chord(&others) {
+        arc_class(sweep)
+    } else {
+        let off = (apex(&others)? - center).norm();
+        if off > 0.04 * radius + 0.01 {
+            return None;
         }
-        _ => return None,
+        if (sweep - angle::PI).abs() <= HALF_TOLERANCE {
+            PartClass::Semicircle
+        } else {
+            PartClass::Sector
+        }
     };
     Some(Part {
         class,
@@ -111,6 +115,43 @@ fn circular(pieces: &[Piece], cut: &[bool]) -> Option<Part> {
         cut: cut.to_vec(),
         circle: Some((center, radius)),
     })
+}
+
+/// Whether the straight pieces from the end of an arc to its beginning are one, but for what drift bends a wall and
+/// what cuts off the corners at its ends.
+fn is_chord(mut straight: &[Piece]) -> bool {
+    if let [first, rest @ ..] = straight
+        && first.length() < CORNER
+        && !rest.is_empty()
+    {
+        straight = rest;
+    }
+    if let [rest @ .., last] = straight
+        && last.length() < CORNER
+        && !rest.is_empty()
+    {
+        straight = rest;
+    }
+    let (Some(first), Some(last)) = (straight.first(), straight.last()) else { return false };
+    let chord = Piece::Line { from: first.from(), to: last.to() };
+    let allowed = SHALLOW + BENT * chord.length();
+    straight[1..].iter().all(|piece| chord.distance(piece.from()) < allowed)
+}
+
+/// Where the two of these straight pieces meet that are more than what cuts off a corner; none where there are not
+/// two.
+fn apex(straight: &[Piece]) -> Option<Point> {
+    let mut long = straight.iter().filter(|piece| piece.length() >= CORNER);
+    let (Some(one), Some(other), None) = (long.next(), long.next(), long.next()) else {
+        return None;
+    };
+    let (u, v) = (one.tangent(0.5), other.tangent(0.5));
+    let sine = cross(u, v);
+    if sine.abs() < FLATTEST {
+        // Both radii of half a disc.
+        return Some(one.to());
+    }
+    Some(one.to() + u * (cross(other.from() - one.to(), v) / sine))
 }
 
 /// Whether piece `k` is an arc with floor inside, deep enough to be a part, whose chord runs over

@@ -1,0 +1,117 @@
+//! One arc where noise drew several pieces: two arcs that meet, an arc whose last contacts make a straight piece
+//! of their own, two with a stretch between that nobody looked at. Knows the ring that was drawn and the contacts.
+
+use super::Sample;
+use super::assemble::Vertex;
+use super::corner::Judge;
+use crate::geometry::fit::Moments;
+use crate::geometry::{Piece, Point, Ring, angle, cross};
+
+/// As many pieces are looked at together: two arcs, and what two runs and a gap leave between them.
+const MOST_PIECES: usize = 5;
+/// The straight ones among them are no longer than this share of the arcs.
+const STRAIGHT: f64 = 0.25;
+/// A round wall so long is bent by the drift of the heading as much again as its contacts scatter, metres.
+const BENT: f64 = 8.0;
+/// An arc of more than this is all but round, radians: 330 degrees.
+const ALL_BUT_ROUND: f64 = 330.0 * angle::PI / 180.0;
+/// A contact is of a straight piece that it lies no farther from than this, metres, and the tolerance.
+const OF_THE_PIECE: f64 = 0.02;
+
+/// With one arc for pieces of it, where it explains them and their contacts.
+pub(super) fn with_whole_arcs(mut vertices: Vec<Vertex>, judge: &Judge<'_>) -> Vec<Vertex> {
+    let tolerance = judge.tolerance();
+    let mut k = 0;
+    while k < vertices.len() {
+        let count = vertices.len();
+        // What is left is a ring of two at least.
+        let found = (2..=MOST_PIECES.min(count.saturating_sub(1))).rev().find_map(|pieces| {
+            let stretch: Vec<Vertex> = (0..=pieces).map(|n| vertices[(k + n) % count]).collect();
+            Some((pieces, one_arc(&stretch, judge, tolerance)?))
+        });
+        let Some((pieces, bulge)) = found else {
+            k += 1;
+            continue;
+        };
+        vertices[k].bulge = bulge;
+        vertices.rotate_left(k + 1);
+        vertices.drain(..pieces - 1);
+        k = 0;
+    }
+    vertices
+}
+
+/// The circle for a `ring` that is all but one: an arc, and where the lap was joined a straight piece; the same ring
+/// where it is none. The contacts lie on the circle as well as a lap so long lets them.
+pub(super) fn closed(ring: Ring, judge: &Judge<'_>) -> Ring {
+    let [one, other] = ring.pieces[..] else { return ring };
+    let arc = if one.length() > other.length() { one } else { other };
+    let Piece::Arc { sweep, .. } = arc else { return ring };
+    let Some(first) = judge.samples.first() else { return ring };
+    let mut moments = Moments::new(first.point);
+    for sample in judge.samples {
+        moments.add(sample.point, sample.weight);
+    }
+    let Some(circle) = moments.circle() else { return ring };
+    let off = |s: &Sample| ((s.point - circle.center).norm() - circle.radius).abs();
+    let worst = judge.samples.iter().map(off).fold(0.0, f64::max);
+    let bent = 1.0 + angle::TAU * circle.radius / BENT;
+    if sweep > ALL_BUT_ROUND && worst < judge.tolerance() * bent {
+        Ring::circle(circle.center, circle.radius)
+    } else {
+        ring
+    }
+}
+
+/// The bulge of the arc from the first of the vertices to the last that explains all between them; none where
+/// there is none.
+fn one_arc(vertices: &[Vertex], judge: &Judge<'_>, tolerance: f64) -> Option<f64> {
+    let (from, to) = (vertices[0].at, vertices[vertices.len() - 1].at);
+    let drawn = |pair: &[Vertex]| Piece::with_bulge(pair[0].at, pair[1].at, pair[0].bulge);
+    let pieces: Vec<Piece> = vertices.windows(2).map(drawn).collect();
+    let is_arc = |piece: &Piece| matches!(piece, Piece::Arc { .. });
+    let bulges = || vertices[..pieces.len()].iter().map(|vertex| vertex.bulge);
+    let alike = bulges().all(|bulge| bulge >= 0.0) || bulges().all(|bulge| bulge <= 0.0);
+    // What is straight at either end may be a part of it, or its neighbour.
+    let ends = is_arc(&pieces[0]) || is_arc(&pieces[pieces.len() - 1]);
+    let length = |arcs: bool| -> f64 {
+        pieces.iter().filter(|piece| is_arc(piece) == arcs).map(Piece::length).sum()
+    };
+    let (round, straight) = (length(true), length(false));
+    if !alike || !ends || straight >= STRAIGHT * round {
+        return None;
+    }
+    let mut on_it: Vec<Point> = Vec::new();
+    for (piece, pair) in pieces.iter().zip(vertices.windows(2)) {
+        if is_arc(piece) {
+            on_it.extend([pair[0].at, piece.at(0.5), pair[1].at]);
+        } else {
+            on_it.extend(contacts_of(piece, judge, tolerance));
+        }
+    }
+    let worst = |bulge: f64| {
+        let arc = Piece::with_bulge(from, to, bulge);
+        on_it.iter().map(|p| arc.distance(*p)).fold(0.0, f64::max)
+    };
+    // Of much of a circle, a place near one end of the arc tells little of the rest.
+    let inner = |p: &&Point| (**p - from).norm() > tolerance && (**p - to).norm() > tolerance;
+    let through: Vec<f64> =
+        on_it.iter().filter(inner).map(|p| Piece::bulge_through(from, *p, to)).collect();
+    let mean = through.iter().sum::<f64>() / through.len().max(1) as f64;
+    let better = |best: f64, bulge: &f64| if worst(*bulge) < worst(best) { *bulge } else { best };
+    let best = through.iter().fold(mean, better);
+    (worst(best) < tolerance * (1.0 + (round + straight) / BENT)).then_some(best)
+}
+
+/// The contacts of a straight piece: beside it, and seen from its side.
+fn contacts_of(piece: &Piece, judge: &Judge<'_>, tolerance: f64) -> Vec<Point> {
+    let (from, along, length) = (piece.from(), piece.tangent(0.5), piece.length());
+    let is_of = |p: Point| {
+        let off = p - from;
+        (0.0..=length).contains(&off.dot(&along))
+            && cross(along, off).abs() < tolerance + OF_THE_PIECE
+    };
+    let samples = judge.samples.iter();
+    let of_it = samples.filter(|s| is_of(s.point) && cross(along, s.from - from) > 0.0);
+    of_it.map(|sample| sample.point).collect()
+}

@@ -187,3 +187,51 @@ fn enters(piece: &Piece, arc: &[Point], from: Point, to: Point) -> bool {
             || arc.windows(2).any(|pair| segments_meet(a, b, pair[0], pair[1]))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn on(radius: f64, bearing: f64) -> Point {
+        Point::origin() + angle::unit(bearing) * radius
+    }
+
+    /// The classes of the parts of an arc of 2 m about the origin from the east on, and of the straight way from its
+    /// end back to its beginning over `corners`.
+    fn classes(span: f64, corners: &[Point]) -> Vec<PartClass> {
+        let arc = Piece::Arc { center: Point::origin(), radius: 2.0, start: 0.0, sweep: span };
+        let way: Vec<Point> =
+            [arc.to()].into_iter().chain(corners.iter().copied()).chain([arc.from()]).collect();
+        let straight = way.windows(2).map(|two| Piece::Line { from: two[0], to: two[1] });
+        let outline = Ring { pieces: [arc].into_iter().chain(straight).collect() };
+        parts(&outline, ShapeClass::Complex).iter().map(|part| part.class).collect()
+    }
+
+    #[test]
+    fn a_corner_that_was_cut_off_makes_no_part() {
+        let third = angle::TAU / 6.0;
+        let apex = Point::origin();
+        assert_eq!(classes(third, &[apex]), [PartClass::Sector]);
+        // At the end of the arc, at its beginning, and at the apex.
+        let at_end = on(1.9, third) + angle::unit(third - 1.0) * 0.02;
+        assert_eq!(classes(third, &[at_end, apex]), [PartClass::Sector]);
+        assert_eq!(classes(third, &[apex, on(1.88, 0.01)]), [PartClass::Sector]);
+        assert_eq!(classes(third, &[on(0.15, third), on(0.15, 0.0)]), [PartClass::Sector]);
+        // A corner that is no corner of a sector.
+        let wide = classes(third, &[on(0.8, third), on(0.8, 0.0)]);
+        assert!(wide.len() > 1, "{wide:?}");
+    }
+
+    #[test]
+    fn the_straight_side_of_half_a_disc_may_be_bent_a_little() {
+        let half = angle::PI;
+        assert_eq!(classes(half, &[]), [PartClass::Semicircle]);
+        assert_eq!(classes(half, &[Point::new(-0.8, 0.012)]), [PartClass::Semicircle]);
+        assert_eq!(
+            classes(half, &[Point::new(-1.95, -0.08), Point::new(-0.5, -0.06)]),
+            [PartClass::Semicircle]
+        );
+        let bay = classes(half, &[Point::new(0.0, -1.0)]);
+        assert!(bay.len() > 1, "{bay:?}");
+    }
+}

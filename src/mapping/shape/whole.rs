@@ -115,3 +115,112 @@ fn contacts_of(piece: &Piece, judge: &Judge<'_>, tolerance: f64) -> Vec<Point> {
     let of_it = samples.filter(|s| is_of(s.point) && cross(along, s.from - from) > 0.0);
     of_it.map(|sample| sample.point).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vertices(corners: &[(Point, f64)]) -> Vec<Vertex> {
+        corners.iter().map(|&(at, bulge)| Vertex { at, bulge, run: 0 }).collect()
+    }
+
+    /// The bulge of an arc about the origin between two bearings, radians.
+    fn arc(from: f64, to: f64) -> f64 {
+        angle::tan((to - from) / 4.0)
+    }
+
+    fn on(radius: f64, bearing: f64) -> Point {
+        Point::origin() + angle::unit(bearing) * radius
+    }
+
+    /// What is left of `corners` when the robot has seen `seen` from the middle.
+    fn left(corners: &[(Point, f64)], seen: &[Point]) -> Vec<Vertex> {
+        let seen: Vec<Sample> = seen.iter().map(|p| sample(*p)).collect();
+        let judge = Judge { samples: &seen, sigma: 0.001, reach: 0.16 };
+        with_whole_arcs(vertices(corners), &judge)
+    }
+
+    fn sample(point: Point) -> Sample {
+        Sample {
+            point,
+            from: point + (Point::new(0.0, 0.5) - point) * 0.1,
+            weight: 1.0,
+            edges: Vec::new(),
+        }
+    }
+
+    /// Half a disc of 4 m in two arcs, with a stretch between them of so many radians.
+    fn half_disc(between: f64) -> [(Point, f64); 4] {
+        let (before, after) = (1.5 - between / 2.0, 1.5 + between / 2.0);
+        [
+            (on(4.0, 0.0), arc(0.0, before)),
+            (on(4.0, before), 0.0),
+            (on(4.0, after), arc(after, angle::PI)),
+            (on(4.0, angle::PI), 0.0),
+        ]
+    }
+
+    #[test]
+    fn a_stretch_of_a_round_wall_that_nobody_looked_at_is_round() {
+        for between in [0.001, 0.2] {
+            let left = left(&half_disc(between), &[]);
+            assert_eq!(left.len(), 2, "{between}: {left:?}");
+            assert!(left.iter().any(|vertex| (vertex.bulge - 1.0).abs() < 1e-3), "{left:?}");
+        }
+    }
+
+    #[test]
+    fn a_flat_wall_between_two_round_ones_stays_flat() {
+        let corners = half_disc(0.3);
+        let seen = [0.2, 0.5, 0.8].map(|t| {
+            nalgebra::center(&corners[1].0, &corners[2].0)
+                + (corners[2].0 - corners[1].0) * (t - 0.5)
+        });
+        assert_eq!(left(&corners, &seen).len(), 4);
+    }
+
+    #[test]
+    fn a_long_round_wall_is_bent_by_more_than_a_short_one() {
+        // In two arcs that meet 22 mm outside their circle.
+        let bent = |radius: f64| {
+            let joint = on(radius + 0.022, 1.0);
+            let corners = [
+                (on(radius, 0.0), arc(0.0, 1.0)),
+                (joint, arc(1.0, angle::PI)),
+                (on(radius, angle::PI), 0.0),
+            ];
+            left(&corners, &[]).len()
+        };
+        assert_eq!((bent(4.0), bent(0.5)), (2, 3));
+    }
+
+    #[test]
+    fn a_ring_that_is_all_but_a_circle_is_one() {
+        let seen = |off: f64| -> Vec<Sample> {
+            (0..60)
+                .map(|k| {
+                    sample(on(
+                        if k == 7 { 2.0 + off } else { 2.0 },
+                        f64::from(k) * angle::TAU / 60.0,
+                    ))
+                })
+                .collect()
+        };
+        let ring = Ring {
+            pieces: vec![
+                Piece::Arc {
+                    center: Point::origin(),
+                    radius: 2.0,
+                    start: 0.0,
+                    sweep: angle::TAU - 0.06,
+                },
+                Piece::Line { from: on(2.0, -0.06), to: on(2.0, 0.0) },
+            ],
+        };
+        for (off, pieces) in [(0.008, 1), (0.1, 2)] {
+            let seen = seen(off);
+            let judge = Judge { samples: &seen, sigma: 0.001, reach: 0.16 };
+            assert_eq!(closed(ring.clone(), &judge).pieces.len(), pieces, "{off} m");
+        }
+    }
+}

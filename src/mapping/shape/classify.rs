@@ -53,7 +53,7 @@ fn class(outline: &Ring, vertices: &[Point]) -> ShapeClass {
 }
 
 /// Whether the outline has no bay deeper than what a wall of its size may be bent by.
-fn is_convex(points: &[Point]) -> bool {
+pub(super) fn is_convex(points: &[Point]) -> bool {
     let Some(first) = points.first() else { return true };
     let extent = points.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
     deepest_bay(points) < SHALLOW + BENT * extent

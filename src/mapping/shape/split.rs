@@ -1,8 +1,7 @@
 //! Splits a complex outline into polygonal and circular parts (paper III.D), which tile it:
 //! every arc with the floor inside it is cut off along its chord.
 
-use super::classify::{BENT, SHALLOW};
-use crate::geometry::hull::deepest_bay;
+use super::classify::{BENT, SHALLOW, is_convex};
 use crate::geometry::simple::{crossings, segments_meet};
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 use crate::mapping::map::{Part, PartClass, ShapeClass};
@@ -66,11 +65,8 @@ fn divide(outline: &Ring) -> Vec<Part> {
         cut[k] = true;
     }
     let ring = Ring { pieces: rest };
-    let class = if deepest_bay(&ring.to_points(SAGITTA)) < SHALLOW {
-        PartClass::Convex
-    } else {
-        PartClass::Concave
-    };
+    let convex = is_convex(&ring.to_points(SAGITTA));
+    let class = if convex { PartClass::Convex } else { PartClass::Concave };
     parts.push(Part { class, ring, cut, circle: None });
     parts
 }

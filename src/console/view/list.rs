@@ -26,7 +26,7 @@ fn place(at: Point) -> String {
 
 /// A standard error, where one is known.
 fn give_or_take(error: Option<f64>) -> String {
-    error.map_or_else(|| "±    ?".to_owned(), |error| format!("± {}", words::small(error)))
+    error.map_or_else(|| "±    ?".to_owned(), |error| format!("± {}", words::error(error)))
 }
 
 fn heading(text: &str) -> Line {

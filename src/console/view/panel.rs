@@ -169,7 +169,7 @@ fn robot_rows(snapshot: &Snapshot, room: u16) -> Vec<Row> {
         }
         Known::Known(robot) => {
             let closed = switches::closed(&snapshot.settings.chassis, robot);
-            let known = |_| words::small(robot.position_sd);
+            let known = |_| words::error(robot.position_sd);
             let sd = robot.pose.map_or_else(|| "-".to_owned(), known);
             let place = if robot.pose.is_some() { Role::Value } else { Role::Unknown };
             let role = if robot.switches.is_empty() { Role::Muted } else { Role::Active };
@@ -230,8 +230,8 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let mut walls = accuracy.walls.clone();
         walls.sort_by(f64::total_cmp);
         let median = walls.get(walls.len() / 2).copied().unwrap_or(worst);
-        rows.push(row("± walls", words::small(median), Role::Text));
-        let worst = vec![format!("± {}", words::small(worst)), "at worst".to_owned()];
+        rows.push(row("± walls", words::error(median), Role::Text));
+        let worst = vec![format!("± {}", words::error(worst)), "at worst".to_owned()];
         rows.push(figures("corners", worst, Role::Text).spare(3));
     }
     if let Some(squared) = &map.squared {

@@ -26,7 +26,7 @@ fn forms(class: &str, size: &str, error: Option<f64>) -> Vec<String> {
     let tight = size.replace(" × ", "×");
     let mut forms = Vec::new();
     if let Some(error) = error {
-        let error = words::small(error);
+        let error = words::error(error);
         forms.push(format!("{class} {size}  ± {error}"));
         forms.push(format!("{class} {tight} ± {error}"));
         forms.push(format!("{tight} ± {error}"));

@@ -1,19 +1,18 @@
 //! What a key does: model and snapshot in, changed model and effects out. Touches neither the
-//! terminal nor the robot; the loop carries out the effects.
+//! terminal nor the robot; the loop carries out the effects. What a typed line does is `line`.
+
+mod line;
 
 use super::action::Action;
-use super::command::{Command, CommandError};
 use super::driver::Speed;
 use super::key::Key;
 use super::layout::Regions;
 use super::model::{Asked, Camera, Hint, Model, Overlay, Standing};
-use super::prompt::{Prompt, Typed};
-use super::view::list::wall_name;
+use super::prompt::Prompt;
 use super::view::log::scrolled;
 use super::view::map::viewport;
-use crate::geometry::{Piece, Point, Vector};
+use crate::geometry::Vector;
 use crate::mapping::settings::ALPHA;
-use crate::mapping::tape::Tape;
 use crate::robot::Intent;
 use crate::session::snapshot::{Known, RunState, Snapshot};
 use crossterm::event::KeyCode;
@@ -47,9 +46,12 @@ const PAN: f64 = 0.125;
 /// How many entries of the log one key scrolls by.
 const LOG_STEP: isize = 3;
 
-/// Whether leaving now would leave a moving robot behind.
+/// Whether leaving now would leave a moving robot behind. In a replay there is none.
 #[must_use]
 pub fn may_move(snapshot: &Snapshot) -> bool {
+    if snapshot.recorded {
+        return false;
+    }
     let moving = match snapshot.robot {
         Known::Known(robot) | Known::Stale { value: robot, .. } => robot.moving,
         Known::Unknown => false,
@@ -99,7 +101,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             model.overlay = paged(key, action, scroll, end).map_or(Overlay::None, Overlay::List);
             Vec::new()
         }
-        Overlay::Line(prompt) => press_in_line(model, snapshot, key, prompt),
+        Overlay::Line(prompt) => line::press(model, snapshot, key, prompt),
         Overlay::ConfirmQuit => {
             if key.typed() == Some('y') || action == Some(Action::Quit) {
                 return vec![Effect::Intent(Intent::Stop), Effect::Quit];
@@ -380,195 +382,5 @@ fn paged(key: Key, action: Option<Action>, scroll: u16, end: u16) -> Option<u16>
     Some(scroll.min(end))
 }
 
-fn press_in_line(model: &mut Model, snapshot: &Snapshot, key: Key, prompt: Prompt) -> Vec<Effect> {
-    match prompt.press(key, &model.past, model.steered(snapshot)) {
-        Typed::On(prompt) => model.overlay = Overlay::Line(prompt),
-        Typed::Left => {}
-        Typed::Entered(line) => {
-            model.past.add(&line);
-            return match Command::parse(&line) {
-                Ok(command) => obey(model, snapshot, command),
-                Err(CommandError::Empty) => Vec::new(),
-                Err(error) => refuse(model, error.to_string()),
-            };
-        }
-    }
-    Vec::new()
-}
-
-fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
-    match command {
-        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
-            if snapshot.recorded =>
-        {
-            only_looked_at(model)
-        }
-        Command::Action(action) => perform(model, snapshot, action),
-        Command::Alpha(alpha) => set_alpha(model, snapshot, alpha),
-        Command::Tape(Tape { from, to, length }) => {
-            vec![Effect::Intent(Intent::SetTape { from, to, length })]
-        }
-        Command::TapeWall { wall, length } => match tape_of(snapshot, wall, length) {
-            Ok(Tape { from, to, length }) => {
-                vec![Effect::Intent(Intent::SetTape { from, to, length })]
-            }
-            Err(why) => refuse(model, why),
-        },
-        Command::Placed(Some(near)) if is_outside(snapshot, near.position) => {
-            let at = near.position;
-            refuse(model, format!("{:.2},{:.2} lies outside the room", at.x, at.y))
-        }
-        Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
-        Command::Speed(speed) => set_speed(model, |_| speed),
-        Command::Export(dir) => vec![Effect::Export(dir)],
-        Command::At(seconds) => vec![Effect::GoTo(seconds)],
-    }
-}
-
-/// The tape held from end to end of a wall, counted from 0; in words why it cannot be.
-fn tape_of(snapshot: &Snapshot, wall: usize, length: f64) -> Result<Tape, String> {
-    let Some(shape) = &snapshot.map.shape else {
-        return Err("no wall is known yet; the tape can be given by places: X,Y:X,Y=M".to_owned());
-    };
-    let name = wall_name(wall);
-    match shape.outline.pieces.get(wall) {
-        None => Err(format!(
-            "there is no {name}: the last is {}",
-            wall_name(shape.outline.pieces.len().saturating_sub(1))
-        )),
-        Some(Piece::Arc { .. }) => Err(format!("{name} is bent, and a tape is straight")),
-        Some(&Piece::Line { from, to }) => {
-            Tape { from, to, length }.checked().map_err(|error| error.to_string())
-        }
-    }
-}
-
-/// Whether the room is known and a place is not in it.
-fn is_outside(snapshot: &Snapshot, place: Point) -> bool {
-    let shape = snapshot.map.shape.as_ref();
-    shape.is_some_and(|shape| !shape.outline.contains(place))
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::console::Keymap;
-    use crate::geometry::Pose;
-    use crate::mapping::settings::Settings;
-    use crate::robot::SwitchSet;
-    use crate::session::snapshot::RobotView;
-
-    fn waiting() -> (Model, Snapshot) {
-        let settings = Settings::new(Pose::new(0.0, 0.0, 0.0));
-        (Model::new(80, 24, Keymap::default()), Snapshot::waiting(settings, "nowhere"))
-    }
-
-    #[test]
-    fn keys_that_come_faster_than_frames_each_count() {
-        let (mut model, mut snapshot) = waiting();
-        let mut alphas = Vec::new();
-        let mut key = |model: &mut Model, snapshot: &Snapshot, action: Action| {
-            for effect in perform(model, snapshot, action) {
-                let Effect::Intent(Intent::SetAlpha { alpha }) = effect else { continue };
-                alphas.push(alpha);
-            }
-        };
-        key(&mut model, &snapshot, Action::AlphaUp);
-        key(&mut model, &snapshot, Action::AlphaUp);
-        // Now the run has heard of both, and later of a step back.
-        snapshot.settings.alpha = 0.35;
-        key(&mut model, &snapshot, Action::AlphaDown);
-        snapshot.settings.alpha = 0.3;
-        key(&mut model, &snapshot, Action::AlphaUp);
-        key(&mut model, &snapshot, Action::AlphaDown);
-        assert_eq!(alphas, [0.3, 0.35, 0.3, 0.35, 0.3]);
-    }
-
-    #[test]
-    fn a_layer_shown_under_way_is_not_shown_at_the_end() {
-        let (mut model, mut snapshot) = waiting();
-        perform(&mut model, &snapshot, Action::ToggleContacts);
-        assert!(model.layers.contacts.is_shown(false) && !model.layers.contacts.is_shown(true));
-        snapshot.run = RunState::Complete;
-        perform(&mut model, &snapshot, Action::ToggleContacts);
-        assert!(model.layers.contacts.is_shown(true), "but one may ask for it");
-    }
-
-    #[test]
-    fn a_robot_lost_before_there_is_a_boundary_waits_for_its_place_and_says_so() {
-        let (mut model, mut snapshot) = waiting();
-        (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
-        snapshot.robot = Known::Known(RobotView {
-            pose: None,
-            position_sd: 0.0,
-            switches: SwitchSet::default(),
-            bumper: false,
-            moving: false,
-        });
-        let said = |model: &Model| model.hint.as_ref().expect("a remark").text.clone();
-        assert_eq!(perform(&mut model, &snapshot, Action::ClearStop).len(), 1);
-        assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
-        snapshot.run = RunState::Paused;
-        for action in [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase]
-        {
-            model.hint = None;
-            assert!(perform(&mut model, &snapshot, action).is_empty(), "{action:?}");
-            assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
-        }
-        // With a boundary it looks for its place by itself.
-        snapshot.map.closed = true;
-        assert_eq!(perform(&mut model, &snapshot, Action::RunPause).len(), 1);
-    }
-
-    #[test]
-    fn a_wall_is_taped_by_its_number_on_the_list() {
-        use crate::geometry::Ring;
-        use crate::mapping::map::{Shape, ShapeClass};
-        let (mut model, mut snapshot) = waiting();
-        let tape = |model: &mut Model, snapshot: &Snapshot, wall, length| {
-            let effects = obey(model, snapshot, Command::TapeWall { wall, length });
-            (effects, model.hint.take().map_or_else(String::new, |hint| hint.text))
-        };
-        let (none, said) = tape(&mut model, &snapshot, 0, 4.0);
-        assert!(none.is_empty() && said.contains("X,Y:X,Y=M"), "{said}");
-        let corners =
-            [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(|(x, y)| Point::new(x, y));
-        let (outline, vertices) = (Ring::polygon(&corners), corners.to_vec());
-        let class = ShapeClass::Convex;
-        snapshot.map.shape = Some(Shape { class, outline, vertices, parts: Vec::new() });
-        let (taped, _) = tape(&mut model, &snapshot, 1, 3.02);
-        let [Effect::Intent(Intent::SetTape { from, to, length })] = taped[..] else {
-            panic!("{taped:?}")
-        };
-        assert_eq!((from, to, length), (corners[1], corners[2], 3.02));
-        let (none, said) = tape(&mut model, &snapshot, 4, 3.0);
-        assert!(none.is_empty() && said.contains("no W5: the last is W4"), "{said}");
-        let (none, said) = tape(&mut model, &snapshot, 0, 0.1);
-        assert!(none.is_empty() && said.contains("at least"), "{said}");
-    }
-
-    #[test]
-    fn the_map_is_not_lost_by_going_further_and_further_away() {
-        let (mut model, snapshot) = waiting();
-        for _ in 0..100 {
-            perform(&mut model, &snapshot, Action::ZoomOut);
-        }
-        let map = Regions::of(80, 24).expect("large enough").map;
-        let ranges =
-            [model.camera, Camera::Fit].map(|camera| viewport(&camera, &snapshot, map).x_range());
-        assert!(ranges[0] > 5.0 * ranges[1] && ranges[0] < 10.0 * ranges[1], "{ranges:?}");
-    }
-
-    #[test]
-    fn what_has_no_key_is_called_by_its_name() {
-        let bare = Keymap::parse("[keys]\nstop = [\"space\"]\nquit = [\"q\"]\n", "bare.toml");
-        let bare = bare.expect("a keymap");
-        assert_eq!(bare.way(Action::ClearStop), "(no key for clear)");
-        assert!(bare.out_of_reach().contains(&"clear") && !bare.out_of_reach().contains(&"stop"));
-        let line = "[keys]\nstop = [\"space\"]\nquit = [\"q\"]\ncommand-line = [\":\"]\n";
-        let line = Keymap::parse(line, "line.toml").expect("a keymap");
-        assert_eq!(line.way(Action::ClearStop), ":clear");
-        assert!(line.out_of_reach().is_empty(), "everything has a name");
-        assert_eq!(Keymap::default().way(Action::ClearStop), "c");
-    }
-}
+mod tests;

@@ -152,7 +152,7 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     let useless = snapshot.recorded && info.action.changes_the_run();
     !(info.footer.is_empty() || useless)
         && match info.action {
-            Action::Stop => !stopped && !over,
+            Action::Stop => !stopped && !over && !snapshot.recorded,
             Action::ClearStop => stopped,
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
                 !stopped && !over

@@ -1,0 +1,88 @@
+//! What the command line does: a key to the line that is typed, and a line that was entered to the run.
+
+use super::{Effect, only_looked_at, perform, refuse, set_alpha, set_speed};
+use crate::console::command::{Command, CommandError};
+use crate::console::key::Key;
+use crate::console::model::{Model, Overlay};
+use crate::console::prompt::{Prompt, Typed};
+use crate::console::view::list::wall_name;
+use crate::geometry::{Piece, Point};
+use crate::mapping::tape::Tape;
+use crate::robot::Intent;
+use crate::session::snapshot::Snapshot;
+
+/// A key was pressed while a command is typed.
+pub(super) fn press(
+    model: &mut Model,
+    snapshot: &Snapshot,
+    key: Key,
+    prompt: Prompt,
+) -> Vec<Effect> {
+    match prompt.press(key, &model.past, model.steered(snapshot)) {
+        Typed::On(prompt) => model.overlay = Overlay::Line(prompt),
+        Typed::Left => {}
+        Typed::Entered(line) => {
+            model.past.add(&line);
+            return match Command::parse(&line) {
+                Ok(command) => obey(model, snapshot, command),
+                Err(CommandError::Empty) => Vec::new(),
+                Err(error) => refuse(model, error.to_string()),
+            };
+        }
+    }
+    Vec::new()
+}
+
+/// Does what the command says.
+pub(super) fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
+    match command {
+        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
+            if snapshot.recorded =>
+        {
+            only_looked_at(model)
+        }
+        Command::Action(action) => perform(model, snapshot, action),
+        Command::Alpha(alpha) => set_alpha(model, snapshot, alpha),
+        Command::Tape(Tape { from, to, length }) => {
+            vec![Effect::Intent(Intent::SetTape { from, to, length })]
+        }
+        Command::TapeWall { wall, length } => match tape_of(snapshot, wall, length) {
+            Ok(Tape { from, to, length }) => {
+                vec![Effect::Intent(Intent::SetTape { from, to, length })]
+            }
+            Err(why) => refuse(model, why),
+        },
+        Command::Placed(Some(near)) if is_outside(snapshot, near.position) => {
+            let at = near.position;
+            refuse(model, format!("{:.2},{:.2} lies outside the room", at.x, at.y))
+        }
+        Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
+        Command::Speed(speed) => set_speed(model, |_| speed),
+        Command::Export(dir) => vec![Effect::Export(dir)],
+        Command::At(seconds) => vec![Effect::GoTo(seconds)],
+    }
+}
+
+/// The tape held from end to end of a wall, counted from 0; in words why it cannot be.
+fn tape_of(snapshot: &Snapshot, wall: usize, length: f64) -> Result<Tape, String> {
+    let Some(shape) = &snapshot.map.shape else {
+        return Err("no wall is known yet; the tape can be given by places: X,Y:X,Y=M".to_owned());
+    };
+    let name = wall_name(wall);
+    match shape.outline.pieces.get(wall) {
+        None => Err(format!(
+            "there is no {name}: the last is {}",
+            wall_name(shape.outline.pieces.len().saturating_sub(1))
+        )),
+        Some(Piece::Arc { .. }) => Err(format!("{name} is bent, and a tape is straight")),
+        Some(&Piece::Line { from, to }) => {
+            Tape { from, to, length }.checked().map_err(|error| error.to_string())
+        }
+    }
+}
+
+/// Whether the room is known and a place is not in it.
+fn is_outside(snapshot: &Snapshot, place: Point) -> bool {
+    let shape = snapshot.map.shape.as_ref();
+    shape.is_some_and(|shape| !shape.outline.contains(place))
+}

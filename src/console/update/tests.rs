@@ -1,0 +1,134 @@
+use super::line::obey;
+use super::*;
+use crate::console::Keymap;
+use crate::console::command::Command;
+
+use crate::geometry::{Point, Pose};
+use crate::mapping::settings::Settings;
+use crate::robot::SwitchSet;
+use crate::session::snapshot::RobotView;
+
+fn waiting() -> (Model, Snapshot) {
+    let settings = Settings::new(Pose::new(0.0, 0.0, 0.0));
+    (Model::new(80, 24, Keymap::default()), Snapshot::waiting(settings, "nowhere"))
+}
+
+#[test]
+fn keys_that_come_faster_than_frames_each_count() {
+    let (mut model, mut snapshot) = waiting();
+    let mut alphas = Vec::new();
+    let mut key = |model: &mut Model, snapshot: &Snapshot, action: Action| {
+        for effect in perform(model, snapshot, action) {
+            let Effect::Intent(Intent::SetAlpha { alpha }) = effect else { continue };
+            alphas.push(alpha);
+        }
+    };
+    key(&mut model, &snapshot, Action::AlphaUp);
+    key(&mut model, &snapshot, Action::AlphaUp);
+    // Now the run has heard of both, and later of a step back.
+    snapshot.settings.alpha = 0.35;
+    key(&mut model, &snapshot, Action::AlphaDown);
+    snapshot.settings.alpha = 0.3;
+    key(&mut model, &snapshot, Action::AlphaUp);
+    key(&mut model, &snapshot, Action::AlphaDown);
+    assert_eq!(alphas, [0.3, 0.35, 0.3, 0.35, 0.3]);
+}
+
+#[test]
+fn a_layer_shown_under_way_is_not_shown_at_the_end() {
+    let (mut model, mut snapshot) = waiting();
+    perform(&mut model, &snapshot, Action::ToggleContacts);
+    assert!(model.layers.contacts.is_shown(false) && !model.layers.contacts.is_shown(true));
+    snapshot.run = RunState::Complete;
+    perform(&mut model, &snapshot, Action::ToggleContacts);
+    assert!(model.layers.contacts.is_shown(true), "but one may ask for it");
+}
+
+#[test]
+fn a_robot_lost_before_there_is_a_boundary_waits_for_its_place_and_says_so() {
+    let (mut model, mut snapshot) = waiting();
+    (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+    snapshot.robot = Known::Known(RobotView {
+        pose: None,
+        position_sd: 0.0,
+        switches: SwitchSet::default(),
+        bumper: false,
+        moving: false,
+    });
+    let said = |model: &Model| model.hint.as_ref().expect("a remark").text.clone();
+    assert_eq!(perform(&mut model, &snapshot, Action::ClearStop).len(), 1);
+    assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
+    snapshot.run = RunState::Paused;
+    for action in [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase] {
+        model.hint = None;
+        assert!(perform(&mut model, &snapshot, action).is_empty(), "{action:?}");
+        assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
+    }
+    // With a boundary it looks for its place by itself.
+    snapshot.map.closed = true;
+    assert_eq!(perform(&mut model, &snapshot, Action::RunPause).len(), 1);
+}
+
+#[test]
+fn in_a_replay_there_is_no_robot_to_ask_about() {
+    let (mut model, mut snapshot) = waiting();
+    (snapshot.run, snapshot.recorded) = (RunState::Running, true);
+    assert_eq!(perform(&mut model, &snapshot, Action::Quit), [Effect::Quit]);
+    let space = Key::parse("space").expect("a key");
+    model.overlay = Overlay::Line("at".into());
+    assert!(press(&mut model, &snapshot, space).is_empty());
+    assert_eq!(model.overlay, Overlay::Line("at ".into()));
+    snapshot.recorded = false;
+    assert_eq!(press(&mut model, &snapshot, space), [Effect::Intent(Intent::Stop)]);
+}
+
+#[test]
+fn a_wall_is_taped_by_its_number_on_the_list() {
+    use crate::geometry::Ring;
+    use crate::mapping::map::{Shape, ShapeClass};
+    let (mut model, mut snapshot) = waiting();
+    let tape = |model: &mut Model, snapshot: &Snapshot, wall, length| {
+        let effects = obey(model, snapshot, Command::TapeWall { wall, length });
+        (effects, model.hint.take().map_or_else(String::new, |hint| hint.text))
+    };
+    let (none, said) = tape(&mut model, &snapshot, 0, 4.0);
+    assert!(none.is_empty() && said.contains("X,Y:X,Y=M"), "{said}");
+    let corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(|(x, y)| Point::new(x, y));
+    let (outline, vertices) = (Ring::polygon(&corners), corners.to_vec());
+    let class = ShapeClass::Convex;
+    snapshot.map.shape = Some(Shape { class, outline, vertices, parts: Vec::new() });
+    let (taped, _) = tape(&mut model, &snapshot, 1, 3.02);
+    let [Effect::Intent(Intent::SetTape { from, to, length })] = taped[..] else {
+        panic!("{taped:?}")
+    };
+    assert_eq!((from, to, length), (corners[1], corners[2], 3.02));
+    let (none, said) = tape(&mut model, &snapshot, 4, 3.0);
+    assert!(none.is_empty() && said.contains("no W5: the last is W4"), "{said}");
+    let (none, said) = tape(&mut model, &snapshot, 0, 0.1);
+    assert!(none.is_empty() && said.contains("at least"), "{said}");
+}
+
+#[test]
+fn the_map_is_not_lost_by_going_further_and_further_away() {
+    let (mut model, snapshot) = waiting();
+    for _ in 0..100 {
+        perform(&mut model, &snapshot, Action::ZoomOut);
+    }
+    let map = Regions::of(80, 24).expect("large enough").map;
+    let ranges =
+        [model.camera, Camera::Fit].map(|camera| viewport(&camera, &snapshot, map).x_range());
+    assert!(ranges[0] > 5.0 * ranges[1] && ranges[0] < 10.0 * ranges[1], "{ranges:?}");
+}
+
+#[test]
+fn what_has_no_key_is_called_by_its_name() {
+    let bare = Keymap::parse("[keys]\nstop = [\"space\"]\nquit = [\"q\"]\n", "bare.toml");
+    let bare = bare.expect("a keymap");
+    assert_eq!(bare.way(Action::ClearStop), "(no key for clear)");
+    assert!(bare.out_of_reach().contains(&"clear") && !bare.out_of_reach().contains(&"stop"));
+    let line = "[keys]\nstop = [\"space\"]\nquit = [\"q\"]\ncommand-line = [\":\"]\n";
+    let line = Keymap::parse(line, "line.toml").expect("a keymap");
+    assert_eq!(line.way(Action::ClearStop), ":clear");
+    assert!(line.out_of_reach().is_empty(), "everything has a name");
+    assert_eq!(Keymap::default().way(Action::ClearStop), "c");
+}

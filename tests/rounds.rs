@@ -5,6 +5,7 @@
 mod common;
 
 use common::mapped;
+use periplus::geometry::angle;
 use periplus::mapping::map::{PartClass, Phase, RoomMap, ShapeClass};
 use periplus::mapping::settings::Settings;
 use periplus::simulator::{NoiseProfile, World};
@@ -49,7 +50,7 @@ fn rooms_of_a_straight_and_a_round_wall_are_one_part() {
                 vertices = [[-4, 0], [4, 0, 1.0]]\n";
     parts_are(half, &[1, 3, 6, 14], &[(PartClass::Semicircle, Some(4.0))]);
     // A piece of cake whose corners no robot touches.
-    let bulge = (std::f64::consts::PI / 12.0).tan();
+    let bulge = angle::tan(angle::PI / 12.0);
     let cake = format!(
         "name = \"cake\"\nstart = {{ x = 0.87, y = 0.5, heading = 10 }}\n[boundary]\n\
          vertices = [[0, 0], [2, 0, {bulge}], [1, {}]]\n",

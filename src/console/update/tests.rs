@@ -1,3 +1,5 @@
+//! What keys do, and what they refuse, without a terminal and without a robot.
+
 use super::line::obey;
 use super::*;
 use crate::console::Keymap;

@@ -72,6 +72,8 @@ fn the_round_part_of_a_room_is_one_however_the_lap_is_bent() {
         (PartClass::Convex, None),
     ];
     parts_are(stadium, &[1, 2], &parts);
+    let parts = parts.map(|(class, radius)| (class, radius.map(|_| 1.5)));
+    parts_are(include_str!("../sims/stadium.toml"), &[8], &parts);
 }
 
 #[test]

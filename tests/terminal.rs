@@ -67,34 +67,30 @@ fn reason(out: &Path) -> String {
     report["reason"].as_str().expect("a reason").to_owned()
 }
 
+/// What the report says of a console that `leave` left, and how the program ended.
+fn left(name: &str, leave: impl FnOnce(&mut Console)) -> (String, Option<i32>) {
+    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("left").join(name);
+    let _ = std::fs::remove_dir_all(&out);
+    let mut console = Console::open(&out);
+    console.until_drawn();
+    leave(&mut console);
+    let (said, status) = console.end();
+    assert!(said.contains("recorded in"), "{said}");
+    assert!(said.contains("\u{1b}[?1049l"), "the terminal is not as it was: {said}");
+    (reason(&out), status.code())
+}
+
 #[test]
 fn how_the_console_was_left_is_what_the_report_says() {
-    let dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("left");
-    let _ = std::fs::remove_dir_all(&dir);
-    let quit = dir.join("quit");
-    let mut console = Console::open(&quit);
-    console.until_drawn();
-    console.terminal.write_all(b"q").expect("a key");
-    let (said, status) = console.end();
-    assert_eq!(status.code(), Some(0), "{said}");
-    assert!(said.contains("recorded in"), "{said}");
-    assert_eq!(reason(&quit), "left by the operator before it was finished");
-
-    let finished = dir.join("finished");
-    let mut console = Console::open(&finished);
-    console.until_drawn();
-    console.terminal.write_all(b"Xyq").expect("keys");
-    let (said, status) = console.end();
-    assert_eq!(status.code(), Some(0), "{said}");
-    assert_eq!(reason(&finished), "ended by the operator");
-
-    let killed = dir.join("killed");
-    let mut console = Console::open(&killed);
-    console.until_drawn();
-    let pid = Pid::from_child(&console.child);
-    kill_process(pid, Signal::TERM).expect("it is heard");
-    let (said, status) = console.end();
-    assert_eq!(status.code(), Some(128 + 15), "{said}");
-    assert!(said.contains("\u{1b}[?1049l"), "the terminal is not as it was: {said}");
-    assert_eq!(reason(&killed), "stopped by the termination signal");
+    let keys = |keys: &'static [u8]| {
+        move |console: &mut Console| console.terminal.write_all(keys).expect("keys")
+    };
+    let (why, status) = left("quit", keys(b"q"));
+    assert_eq!((why.as_str(), status), ("left by the operator before it was finished", Some(0)));
+    let (why, status) = left("finished", keys(b"Xyq"));
+    assert_eq!((why.as_str(), status), ("ended by the operator", Some(0)));
+    let (why, status) = left("killed", |console| {
+        kill_process(Pid::from_child(&console.child), Signal::TERM).expect("it is heard");
+    });
+    assert_eq!((why.as_str(), status), ("stopped by the termination signal", Some(128 + 15)));
 }

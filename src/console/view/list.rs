@@ -1,5 +1,6 @@
 //! The list of all that was found, each with its figures: every wall with its corner, every object, every
-//! gap, every line that was not driven whole. Lies over the screen like the help.
+//! gap, every line that was not driven whole. Lies over the screen like the help; how far it is scrolled is the
+//! model's.
 
 use super::help::Line;
 use super::words;

@@ -18,8 +18,10 @@ const ARC_CONTACTS: usize = 7;
 /// An arc must span this much at least, radians: 25 degrees.
 pub(super) const ARC_SPAN: f64 = 25.0 * angle::PI / 180.0;
 /// Two neighbours on one piece may lie this far apart at most, metres: along a straight wall the
-/// robot looks every half metre.
+/// robot looks every half metre ...
 const WIDEST_GAP: f64 = 0.65;
+/// ... and along a round one no farther than this share of its radius.
+pub(super) const WIDEST_ON_ARC: f64 = 0.5;
 /// Contacts that stand out of an otherwise straight wall, and are taken for mistaken ones, are no more
 /// than this many ...
 const MOST_MISTAKEN: usize = 2;
@@ -323,7 +325,7 @@ fn joined(samples: &[Sample], a: &Run, b: &Run, sigma: f64) -> Option<(f64, Run)
         }
         (Model::Arc { hollow, .. }, _) | (_, Model::Arc { hollow, .. }) => {
             let circle = moments.circle()?;
-            if circle.radius > LARGEST_RADIUS || gap > 0.5 * circle.radius {
+            if circle.radius > LARGEST_RADIUS || gap > WIDEST_ON_ARC * circle.radius {
                 return None;
             }
             Model::Arc { center: circle.center, radius: circle.radius, hollow }

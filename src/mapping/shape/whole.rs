@@ -4,6 +4,7 @@
 use super::Sample;
 use super::assemble::Vertex;
 use super::corner::Judge;
+use super::segment::WIDEST_ON_ARC;
 use crate::geometry::fit::Moments;
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 
@@ -12,7 +13,7 @@ const MOST_PIECES: usize = 8;
 /// The straight ones among them are no longer than this share of the arcs.
 const STRAIGHT: f64 = 0.25;
 /// A round wall so long is bent by the drift of the heading as much again as its contacts scatter, metres.
-const BENT: f64 = 8.0;
+const BENT_OVER: f64 = 8.0;
 /// So many arcs are tried between the flattest and the roundest through one of the places that it should pass.
 const TRIALS: u32 = 32;
 /// An arc of more than this is all but round, radians: 330 degrees.
@@ -57,7 +58,7 @@ pub(super) fn closed(ring: Ring, judge: &Judge<'_>) -> Ring {
     let Some(circle) = moments.circle() else { return ring };
     let off = |s: &Sample| ((s.point - circle.center).norm() - circle.radius).abs();
     let worst = judge.samples.iter().map(off).fold(0.0, f64::max);
-    let bent = 1.0 + angle::TAU * circle.radius / BENT;
+    let bent = 1.0 + angle::TAU * circle.radius / BENT_OVER;
     if sweep > ALL_BUT_ROUND && worst < judge.tolerance() * bent {
         Ring::circle(circle.center, circle.radius)
     } else {
@@ -102,7 +103,11 @@ fn one_arc(vertices: &[Vertex], judge: &Judge<'_>, tolerance: f64) -> Option<f64
         through.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
     let between = (0..=TRIALS).map(|k| least + (most - least) * f64::from(k) / f64::from(TRIALS));
     let best = between.min_by(|a, b| worst(*a).total_cmp(&worst(*b)))?;
-    let fits = best.is_finite() && worst(best) < tolerance * (1.0 + (round + straight) / BENT);
+    let Piece::Arc { radius, .. } = Piece::with_bulge(from, to, best) else { return None };
+    // What nobody has looked at for longer may be anything.
+    let widest = pieces.iter().filter(|p| !is_arc(p)).map(Piece::length).fold(0.0, f64::max);
+    let fits = widest <= WIDEST_ON_ARC * radius
+        && worst(best) < tolerance * (1.0 + (round + straight) / BENT_OVER);
     fits.then_some(best)
 }
 
@@ -180,6 +185,8 @@ mod tests {
                 + (corners[2].0 - corners[1].0) * (t - 0.5)
         });
         assert_eq!(left(&corners, &seen).len(), 4);
+        // What nobody looked at for longer than half the radius may be anything.
+        assert_eq!(left(&half_disc(0.55), &[]).len(), 4);
     }
 
     #[test]

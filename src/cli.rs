@@ -63,10 +63,16 @@ pub struct RobotChoice {
     #[arg(long, value_name = "FILE")]
     pub world: Option<PathBuf>,
     /// Serial port or tcp://HOST:PORT of a real robot
-    #[arg(long, value_name = "DEVICE", conflicts_with = "world")]
+    #[arg(long, value_name = "DEVICE", conflicts_with_all = ["world", "noise"])]
     pub port: Option<String>,
     /// Speed of the serial port, bits a second
-    #[arg(long, value_name = "N", requires = "port", value_parser = values::baud)]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "port",
+        conflicts_with = "world",
+        value_parser = values::baud
+    )]
     pub baud: Option<u32>,
 }
 
@@ -152,8 +158,16 @@ pub struct SnapshotArgs {
         conflicts_with = "replay"
     )]
     pub until: Option<Phase>,
-    /// Folder of a recorded run, in place of a world; needs --at
-    #[arg(long, value_name = "DIR", requires = "at")]
+    /// Folder of a recorded run, in place of a world; needs --at. How it was made is in it: what a run can
+    /// be told is not told again
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "at",
+        conflicts_with_all = [
+            "alpha", "plan", "contour", "laps", "square", "tape", "noise", "seed", "start", "chassis", "config",
+        ]
+    )]
     pub replay: Option<PathBuf>,
     /// With --replay, and needed there: instant of the recorded run, in simulated seconds
     #[arg(long, value_name = "T", value_parser = values::seconds, requires = "replay")]

@@ -44,6 +44,17 @@ fn bad_values_are_refused_with_the_flag_and_what_it_takes() {
             &["snapshot", "--world", "a", "--until", "plan", "--size", "59x16"],
             &["--size 59x16", "60x16 at least"],
         ),
+        // What would count for nothing is not taken.
+        (&["run", "--world", "a", "--baud", "115200", "--out", "b"], &["--baud", "--world"]),
+        (&["run", "--port", "tcp://a:1", "--noise", "raw", "--out", "b"], &["--port", "--noise"]),
+        (
+            &["snapshot", "--replay", "a", "--at", "1", "--seed", "2", "--size", "80x24"],
+            &["--replay", "--seed"],
+        ),
+        (
+            &["snapshot", "--replay", "a", "--at", "1", "--alpha", ".3", "--size", "80x24"],
+            &["--replay", "--alpha"],
+        ),
         (&["fly"], &["fly"]),
     ];
     for (arguments, words) in cases {

@@ -81,7 +81,7 @@ pub struct KeepingFlags {
     /// What the map is called [default: the world's name, or the port]
     #[arg(long, value_name = "TEXT", value_parser = title)]
     pub name: Option<String>,
-    /// Folder for the results and the record
+    /// Folder for the results and the record; `run` and `calibrate` need it
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Folder of an interrupted run to go on with

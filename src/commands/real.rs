@@ -278,7 +278,7 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
         unfinished = run.ending().is_none();
         kept = write(&mut run, &ending, &folder, watch.seconds());
         if kept == Kept::Nothing {
-            output::say(&format!("periplus: {}; nothing was recorded", ending.reason));
+            output::say(&format!("periplus: nothing was recorded: {}", ending.reason));
         }
     }
     // An operator who leaves before the robot was there has seen that it was not.

@@ -8,6 +8,7 @@ use crate::mapping::map::{
     Contact, ContactKind, LineReason, LineStatus, MappedObject, Misclosure, ObjectClass, Part,
     PartClass, PathPoint, Phase, Plan, PlanFigures, PlanLine, RoomMap, Shape, ShapeClass, Spun,
 };
+use crate::mapping::network::Datum;
 use crate::mapping::settings::{Settings, Strategy};
 use crate::mapping::unreached::Beyond;
 use crate::session::snapshot::PhaseProgress;
@@ -102,6 +103,7 @@ pub(crate) fn room() -> Sample {
             walls: vec![0.004; 5],
             corners: vec![0.0061, 0.0117, 0.0123, 0.0082, 0.0069],
             objects: vec![0.0075; 3],
+            datum: Some(Datum { turn: 0.0031, shift: 0.0042, within: 0.0017 }),
         }),
         unreached: Vec::new(),
         beyond: Vec::new(),

@@ -7,6 +7,7 @@
 //! order, as in any adjustment computation (Ghilani, ch. 6).
 
 use super::map::{Contact, RoomMap};
+use super::network::Datum;
 use super::survey::{Hung, Survey, Tie};
 use crate::geometry::{Piece, Point, cross, perp};
 use nalgebra::{Matrix2, Vector2};
@@ -39,6 +40,10 @@ pub struct Accuracy {
     pub corners: Vec<f64>,
     /// Of each object's place, likewise.
     pub objects: Vec<f64>,
+    /// What of them all of the map has in common, and what is left within it; none before the whole survey
+    /// is adjusted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub datum: Option<Datum>,
 }
 
 impl Accuracy {
@@ -92,6 +97,7 @@ impl Judge<'_> {
             walls: walls.collect(),
             corners: corners.collect(),
             objects: objects.collect(),
+            datum: None,
         })
     }
 }

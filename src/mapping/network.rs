@@ -12,18 +12,21 @@
 //! lies on its surface. What surface that is, is taken from the map: at first from farther off, for where the
 //! robot had doubted its place everything it saw was off together, then closer, as it fits better ([`WITHIN`];
 //! iterative closest point, Chen and Medioni 1992, from coarse to fine). `record` keeps the observations,
-//! `dither` says how much those on the way tell, `surface` keeps the unknown surfaces, `thin` keeps the faces of thin walls apart, `equation` writes the
-//! equations, `chain` solves them.
+//! `dither` says how much those on the way tell, `surface` keeps the unknown surfaces, `thin` keeps the faces of
+//! thin walls apart, `equation` writes the equations, `chain` solves them, `datum` says what errors all of it has
+//! in common.
 //!
 //! It refuses to know what becomes of the map: it says where the robot was, and how a contact follows.
 
 mod chain;
+mod datum;
 mod dither;
 mod equation;
 mod record;
 mod surface;
 mod thin;
 
+pub use datum::Datum;
 pub use record::{Glance, Reading, Rest};
 
 use super::map::{Contact, PathPoint, RoomMap};
@@ -110,6 +113,8 @@ pub struct Adjusted {
     beams: Vec<f64>,
     /// Contacts that lie on mapped surfaces.
     pub used: usize,
+    /// What the errors of all of it have in common; none while surfaces are looked for from afar.
+    pub datum: Option<Datum>,
 }
 
 impl Network {
@@ -178,6 +183,8 @@ impl Network {
         }
         let (used, misfit) = unknowns.misfit(&read, &surfaces);
         let seen = surfaces.of.iter().flatten().count();
+        let close = given.within <= CLOSE;
+        let datum = close.then(|| robot.datum(&read, &unknowns, &surfaces)).flatten();
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
@@ -200,6 +207,7 @@ impl Network {
             glances: glances.iter().filter_map(at).collect(),
             beams: given.beams.to_vec(),
             used,
+            datum,
         })
     }
 

@@ -40,6 +40,18 @@ struct SquaredFigures {
 struct ErrorFigures {
     walls: Spread,
     corners: Spread,
+    /// What all of the map has in common of them, and what is left within it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    whole_map: Option<DatumFigures>,
+}
+
+/// How the map lies in the frame of the start, and how well its walls lie to each other; the scale, which no
+/// room tells, is not in it.
+#[derive(Serialize)]
+struct DatumFigures {
+    turn_deg: f64,
+    shift_m: f64,
+    within_median_m: f64,
 }
 
 #[derive(Serialize)]
@@ -99,7 +111,12 @@ fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {
         let (median, worst) = (*sorted.get(sorted.len() / 2)?, *sorted.last()?);
         Some(Spread { median_m: rounded(median, 4), worst_m: rounded(worst, 4) })
     };
-    Some(ErrorFigures { walls: of(&accuracy.walls)?, corners: of(&accuracy.corners)? })
+    let whole_map = accuracy.datum.map(|datum| DatumFigures {
+        turn_deg: rounded(datum.turn.to_degrees(), 3),
+        shift_m: rounded(datum.shift, 4),
+        within_median_m: rounded(datum.within, 4),
+    });
+    Some(ErrorFigures { walls: of(&accuracy.walls)?, corners: of(&accuracy.corners)?, whole_map })
 }
 
 fn misclosure(off: &Misclosure) -> MisclosureFigures {

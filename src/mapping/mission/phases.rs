@@ -399,7 +399,7 @@ impl Mission {
         for kind in told {
             self.tell(kind, out);
         }
-        if let (true, Some(owed)) = (adjusted, self.map.shortfall_to_the_letter())
+        if let (true, Some(owed)) = (adjusted.is_some(), self.map.shortfall_to_the_letter())
             && self.went_on == 0
         {
             self.went_on += 1;
@@ -410,6 +410,9 @@ impl Mission {
             return;
         }
         tour.chart().state_errors(&self.survey, self.settings.start.position, &mut self.map);
+        if let Some(accuracy) = &mut self.map.accuracy {
+            accuracy.datum = adjusted.and_then(|whole| whole.datum);
+        }
         self.tell_unreached(out);
         self.calibrate();
         self.tell_squared(out);

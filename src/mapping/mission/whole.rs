@@ -5,28 +5,34 @@ use super::{Mission, Output};
 use crate::geometry::Point;
 use crate::mapping::event::EventKind;
 use crate::mapping::map::{Contact, PathPoint};
-use crate::mapping::network::{Adjusted, Given, WITHIN};
+use crate::mapping::network::{Adjusted, Datum, Given, WITHIN};
 use crate::mapping::shape;
+
+/// That all of it was adjusted.
+pub(super) struct Whole {
+    /// What errors all of it has in common, as far as that can be told.
+    pub(super) datum: Option<Datum>,
+}
 
 impl Mission {
     /// Adjusts all observations at once, and moves what was mapped, and the trajectory, to where they are
     /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
-    /// Nothing moves where it cannot be done to the end; whether it was.
-    pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> bool {
+    /// Nothing moves where it cannot be done to the end; what errors all of it has in common if it was.
+    pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
         let (map, pose) = (self.map.clone(), self.tracker.pose());
         let path = self.tracker.path().to_vec();
-        let mut used = None;
+        let mut last = None;
         for within in WITHIN {
-            used = self.adjusted(within).map(|adjusted| {
+            last = self.adjusted(within).map(|adjusted| {
                 self.follow(&adjusted);
-                adjusted.used
+                (adjusted.used, adjusted.datum)
             });
-            if used.is_none() {
+            if last.is_none() {
                 self.map = map;
                 self.tracker.path_mut().clone_from(&path);
                 self.tracker.settle(pose);
                 self.rest.pose = pose;
-                return false;
+                return None;
             }
         }
         let off = |(before, now): (&PathPoint, &PathPoint)| {
@@ -34,9 +40,9 @@ impl Mission {
         };
         let squares: f64 = path.iter().zip(self.tracker.path()).map(off).sum();
         let moved = (squares / path.len().max(1) as f64).sqrt();
-        let used = used.unwrap_or_default();
+        let (used, datum) = last?;
         self.tell(EventKind::AdjustedWhole { moved, used }, out);
-        true
+        Some(Whole { datum })
     }
 
     fn adjusted(&self, within: f64) -> Option<Adjusted> {

@@ -7,7 +7,7 @@
 //! (substructuring, Przemieniecki 1963; the Helmert blocking of surveyors). The order of all sums is
 //! fixed, so that the result is the same on every machine.
 
-use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix, SMatrix, SVector};
+use nalgebra::{Cholesky, Const, DMatrix, DVector, Dyn, OMatrix, SMatrix, SVector};
 
 /// Unknowns of one state.
 pub(super) const STATE: usize = 4;
@@ -126,6 +126,22 @@ impl Normal {
 
     /// The same, with a cut after every `piece` states.
     fn solve_in_pieces(&self, piece: usize) -> Option<(Vec<State>, DVector<f64>)> {
+        let Reduced { whole, right, pieces, cuts } = self.reduced(piece)?;
+        // Only the lower triangle was filled below the cuts; that is what is read.
+        let solution = whole.cholesky()?.solve(&right);
+        let mut states = vec![State::zeros(); self.nodes.len()];
+        for (k, &cut) in cuts.iter().enumerate() {
+            states[cut] = solution.fixed_rows::<STATE>(STATE * k).into_owned();
+        }
+        for piece in &pieces {
+            piece.follow(&solution, &mut states);
+        }
+        let shift = STATE * cuts.len();
+        Some((states, solution.rows(shift, self.right.len()).into_owned()))
+    }
+
+    /// What is left when the inside of all pieces is eliminated.
+    fn reduced(&self, piece: usize) -> Option<Reduced> {
         let count = self.nodes.len();
         let cuts: Vec<usize> = (0..count)
             .step_by(piece)
@@ -153,16 +169,37 @@ impl Normal {
             piece.leave(&mut whole, &mut right);
             pieces.push(piece);
         }
-        // Only the lower triangle was filled below the cuts; that is what is read.
-        let solution = whole.cholesky()?.solve(&right);
-        let mut states = vec![State::zeros(); count];
-        for (k, &cut) in cuts.iter().enumerate() {
-            states[cut] = solution.fixed_rows::<STATE>(STATE * k).into_owned();
-        }
-        for piece in &pieces {
-            piece.follow(&solution, &mut states);
-        }
-        Some((states, solution.rows(shift, self.right.len()).into_owned()))
+        Some(Reduced { whole, right, pieces, cuts })
+    }
+
+    /// How well the unknowns of the border are known; none where the equations leave something open.
+    pub(super) fn sureness(&self) -> Option<Sureness> {
+        let reduced = self.reduced(PIECE.max(self.nodes.len() / MOST_CUTS))?;
+        let shift = STATE * reduced.cuts.len();
+        Some(Sureness { whole: reduced.whole.cholesky()?, shift })
+    }
+}
+
+/// The equations of the cuts and the border.
+struct Reduced {
+    whole: DMatrix<f64>,
+    right: DVector<f64>,
+    pieces: Vec<Piece>,
+    cuts: Vec<usize>,
+}
+
+/// The covariance of the border.
+pub(super) struct Sureness {
+    whole: Cholesky<f64, Dyn>,
+    shift: usize,
+}
+
+impl Sureness {
+    /// The covariance times `of`, which has a row for each unknown of the border.
+    pub(super) fn times(&self, of: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut right = DMatrix::zeros(self.shift + of.nrows(), of.ncols());
+        right.rows_mut(self.shift, of.nrows()).copy_from(of);
+        self.whole.solve(&right).rows(self.shift, of.nrows()).into_owned()
     }
 }
 
@@ -346,7 +383,10 @@ mod tests {
     fn cut_into_pieces_the_chain_has_the_solution_that_it_has_as_a_whole() {
         for states in [2, 3, PIECE, PIECE + 1, PIECE + 2, 3 * PIECE + 5] {
             let (normal, whole, right) = chain(states, 11);
-            let all = whole.cholesky().expect("nothing is open").solve(&right);
+            let whole = whole.cholesky().expect("nothing is open");
+            let all = whole.solve(&right);
+            let inverse = whole.inverse();
+            let covariance = inverse.view((STATE * states, STATE * states), (11, 11));
             for piece in [PIECE, 7, 2 * PIECE] {
                 let (nodes, border) = normal.solve_in_pieces(piece).expect("nothing is open");
                 for (k, node) in nodes.iter().enumerate() {
@@ -356,6 +396,9 @@ mod tests {
                 let off = (all.rows(STATE * states, 11) - border).norm();
                 assert!(off < 1e-8, "border of {states} by {piece}: {off}");
             }
+            let sure = normal.sureness().expect("nothing is open");
+            let off = (sure.times(&DMatrix::identity(11, 11)) - covariance).norm();
+            assert!(off < 1e-8, "covariance of the border of {states}: {off}");
         }
     }
 

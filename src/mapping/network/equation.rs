@@ -2,6 +2,7 @@
 
 use super::Given;
 use super::chain::{Equation, Normal, STATE};
+use super::datum::{Datum, Place};
 use super::dither::Passed;
 use super::record::{Glance, Motion, Rest};
 use super::surface::{Surfaces, UNKNOWNS};
@@ -173,6 +174,22 @@ impl Robot {
             }
         }
         normal
+    }
+
+    /// What the errors of all that was adjusted have in common.
+    pub(super) fn datum(
+        &self,
+        read: &Read<'_>,
+        at: &Unknowns,
+        surfaces: &Surfaces,
+    ) -> Option<Datum> {
+        let sure = self.equations(read, at, surfaces, false).sureness()?;
+        let place = |(glance, surface): (&Glance, &Option<usize>)| {
+            let pose = glance.reading.share(read.rests)?.among(&at.poses);
+            Some(Place { surface: (*surface)?, at: pose.position + pose.rotate(glance.arm) })
+        };
+        let places: Vec<Place> = read.glances.iter().zip(&surfaces.of).filter_map(place).collect();
+        Datum::of(surfaces, &places, &sure, self.surfaces())
     }
 
     fn priors(&self, at: &Unknowns, surfaces: &Surfaces, normal: &mut Normal) {

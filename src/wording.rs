@@ -20,9 +20,34 @@ pub fn ended(outcome: &str, reason: &str) -> String {
     if reason.starts_with(outcome) { reason.to_owned() } else { format!("{outcome}: {reason}") }
 }
 
+/// A standard error: whole millimetres, rounded up as in the map file, from 10 m on metres. What is not known
+/// exactly is not 0.
+#[must_use]
+pub fn error(metres: f64) -> String {
+    if metres >= 10.0 {
+        return format!("{metres:.1} m");
+    }
+    format!("{:.0} mm", (metres * 1e3 - 1e-6).ceil().max(0.0))
+}
+
+/// A standard error of a direction, given in radians: hundredths of a degree, rounded up likewise.
+#[must_use]
+pub fn turn_error(radians: f64) -> String {
+    format!("{:.2}°", (radians.to_degrees() * 100.0 - 1e-6).ceil().max(0.0) / 100.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_not_known_exactly_is_not_nothing() {
+        assert_eq!(error(0.0042), "5 mm");
+        assert_eq!(error(0.005), "5 mm");
+        assert_eq!(error(1e-5), "1 mm");
+        assert_eq!(turn_error(0.1612_f64.to_radians()), "0.17°");
+        assert_eq!(turn_error(1e-6), "0.01°");
+    }
 
     #[test]
     fn hours_have_as_many_digits_as_they_need_and_one_has_no_plural() {

@@ -51,7 +51,7 @@ pub struct MapFile {
 }
 
 /// Standard errors in the map frame, whole millimetres, rounded up.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFile {
     /// Across each piece of the boundary at its middle: in the order of the vertices at which they
     /// begin, an arc that takes two vertices twice; a circle has one.
@@ -60,6 +60,20 @@ pub struct ErrorFile {
     pub corners: Vec<u32>,
     /// Of each object's place, in their order.
     pub objects: Vec<u32>,
+    /// What all of the map has in common of them, and what is left within it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whole: Option<WholeFile>,
+}
+
+/// How surely the map lies in its frame as one piece, and its walls among each other; but for the scale.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WholeFile {
+    /// Of the turn of all, degrees, rounded up.
+    pub turn_deg: f64,
+    /// Of the displacement of all, whole millimetres, rounded up.
+    pub shift: u32,
+    /// Of a wall among the others, the median, likewise.
+    pub within: u32,
 }
 
 /// One part of a complex shape.
@@ -246,7 +260,13 @@ impl ErrorFile {
         } else {
             (by_vertex(&accuracy.walls), by_vertex(&accuracy.corners))
         };
-        Some(Self { walls, corners, objects: accuracy.objects.iter().map(mm).collect() })
+        let whole = accuracy.datum.map(|datum| WholeFile {
+            turn_deg: (datum.turn.to_degrees() * 100.0).ceil() / 100.0,
+            shift: mm(&datum.shift),
+            within: mm(&datum.within),
+        });
+        let objects = accuracy.objects.iter().map(mm).collect();
+        Some(Self { walls, corners, objects, whole })
     }
 }
 

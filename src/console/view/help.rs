@@ -30,7 +30,7 @@ const LEGEND: [(Role, &str, &str); 13] = [
 ];
 
 /// The words of the screen that are not plain.
-const FIGURES: [(&str, &str); 19] = [
+const FIGURES: [(&str, &str); 21] = [
     ("× live", "how fast simulated time passes; live: a real robot, which has its own"),
     ("phase …", "how far a phase has come cannot be told"),
     ("pose", "x, y in metres and heading, anti-clockwise from east, as believed"),
@@ -46,6 +46,14 @@ const FIGURES: [(&str, &str); 19] = [
     ("laps", "how many times the boundary was gone round; their average is the map"),
     ("shape", "its class and area; a part is planned for itself, a vertex is a corner"),
     ("± walls", "standard error of a wall in the middle of all; corners: of the worst corner"),
+    (
+        "± whole",
+        "of these errors, what the whole map has in common: turned, and moved as one piece",
+    ),
+    (
+        "± among",
+        "what is left among its walls, of one in the middle of all; the scale is in neither",
+    ),
     ("squared", "walls made parallel to the axes; how far one was turned, and a corner moved"),
     ("lines", "of the plan, done of all; whole: from end to end, not: blocked or left out"),
     ("promise", "hidden disc: the largest free-standing disc that the plan would miss"),

@@ -11,6 +11,7 @@ use crate::geometry::{Piece, Point};
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, PlanLine, RoomMap};
 use crate::mapping::unreached::Beyond;
 use crate::session::Snapshot;
+use crate::wording;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -27,7 +28,7 @@ fn place(at: Point) -> String {
 
 /// A standard error, where one is known.
 fn give_or_take(error: Option<f64>) -> String {
-    error.map_or_else(|| "±    ?".to_owned(), |error| format!("± {}", words::error(error)))
+    error.map_or_else(|| "±    ?".to_owned(), |error| format!("± {}", wording::error(error)))
 }
 
 fn heading(text: &str) -> Line {
@@ -83,6 +84,13 @@ fn walls(map: &RoomMap) -> Vec<Line> {
             (Role::Text, format!(" {:<8}", give_or_take(corner))),
             (role, what),
         ]);
+    }
+    if let Some(datum) = errors.and_then(|errors| errors.datum) {
+        let turn = wording::turn_error(datum.turn);
+        let (shift, within) = (wording::error(datum.shift), wording::error(datum.within));
+        let whole = format!("  all as one piece: turned ± {turn}, moved ± {shift}");
+        lines.push(vec![(Role::Text, whole)]);
+        lines.push(vec![(Role::Text, format!("  among each other: ± {within}"))]);
     }
     lines.push(Vec::new());
     lines

@@ -10,6 +10,7 @@ use crate::mapping::map::{LineStatus, Phase, ShapeClass};
 use crate::mapping::settings::Strategy;
 use crate::robot::DoneReason;
 use crate::session::snapshot::{Known, RobotView, Snapshot};
+use crate::wording;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -169,7 +170,7 @@ fn robot_rows(snapshot: &Snapshot, room: u16) -> Vec<Row> {
         }
         Known::Known(robot) => {
             let closed = switches::closed(&snapshot.settings.chassis, robot);
-            let known = |_| words::error(robot.position_sd);
+            let known = |_| wording::error(robot.position_sd);
             let sd = robot.pose.map_or_else(|| "-".to_owned(), known);
             let place = if robot.pose.is_some() { Role::Value } else { Role::Unknown };
             let role = if robot.switches.is_empty() { Role::Muted } else { Role::Active };
@@ -230,9 +231,15 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let mut walls = accuracy.walls.clone();
         walls.sort_by(f64::total_cmp);
         let median = walls.get(walls.len() / 2).copied().unwrap_or(worst);
-        rows.push(row("± walls", words::error(median), Role::Text));
-        let worst = vec![format!("± {}", words::error(worst)), "at worst".to_owned()];
+        rows.push(row("± walls", wording::error(median), Role::Text));
+        let worst = vec![format!("± {}", wording::error(worst)), "at worst".to_owned()];
         rows.push(figures("corners", worst, Role::Text).spare(3));
+        if let Some(datum) = &accuracy.datum {
+            let whole =
+                vec![format!("{},", wording::turn_error(datum.turn)), wording::error(datum.shift)];
+            rows.push(figures("± whole", whole, Role::Text).spare(3));
+            rows.push(row("± among", wording::error(datum.within), Role::Text).spare(3));
+        }
     }
     if let Some(squared) = &map.squared {
         let (turned, moved) = (squared.turned.to_degrees(), words::small(squared.moved));

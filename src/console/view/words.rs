@@ -13,11 +13,6 @@ pub(super) fn small(metres: f64) -> String {
     if metres.abs() < 10.0 { format!("{:.0} mm", metres * 1e3) } else { format!("{metres:.1} m") }
 }
 
-/// A standard error: whole millimetres, rounded up as in the map file. What is not known exactly is not 0.
-pub(super) fn error(metres: f64) -> String {
-    small((metres * 1e3 - 1e-6).ceil().max(0.0) / 1e3)
-}
-
 /// Two digits after the point, and no minus before a zero.
 pub(super) fn hundredths(value: f64) -> String {
     format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0)

@@ -4,7 +4,7 @@ use super::super::{Outcome, PHASES, RunRecord};
 use super::{Options, dimensions, pens};
 use crate::geometry::Ring;
 use crate::mapping::map::{Part, PartClass, Phase, Shape, ShapeClass};
-use crate::wording::{clock, count, ended};
+use crate::wording::{self, clock, count, ended};
 
 /// One line each for the place, how well it is known, the plan, what was not reached, and the run.
 pub(super) fn lines(record: &RunRecord<'_>, wall: Option<&Ring>) -> Vec<String> {
@@ -61,7 +61,16 @@ fn errors(record: &RunRecord<'_>) -> Option<String> {
     let objects = &known.objects[..known.objects.len().min(record.map.objects.len())];
     let all = [of("walls", &known.walls), of("corners", &known.corners), of("objects", objects)];
     let words: Vec<String> = all.into_iter().flatten().collect();
-    (!words.is_empty()).then(|| format!("standard errors, median (worst): {}", words.join(", ")))
+    let whole = known.datum.map_or_else(String::new, |datum| {
+        format!(
+            "; of that the whole map ± {} and ± {}, a wall among the others ± {}",
+            wording::turn_error(datum.turn),
+            wording::error(datum.shift),
+            wording::error(datum.within)
+        )
+    });
+    let words = words.join(", ");
+    (!words.is_empty()).then(|| format!("standard errors, median (worst): {words}{whole}"))
 }
 
 fn unreached(record: &RunRecord<'_>) -> Option<String> {

@@ -3,6 +3,7 @@
 use super::{Row, figures, row, words};
 use crate::console::theme::Role;
 use crate::session::Snapshot;
+use crate::wording;
 
 /// Every object on one row, in as many words as there is `room` for.
 pub(super) fn rows(snapshot: &Snapshot, room: u16) -> Vec<Row> {
@@ -26,7 +27,7 @@ fn forms(class: &str, size: &str, error: Option<f64>) -> Vec<String> {
     let tight = size.replace(" × ", "×");
     let mut forms = Vec::new();
     if let Some(error) = error {
-        let error = words::error(error);
+        let error = wording::error(error);
         forms.push(format!("{class} {size}  ± {error}"));
         forms.push(format!("{class} {tight} ± {error}"));
         forms.push(format!("{tight} ± {error}"));

@@ -110,12 +110,9 @@ pub struct Survey {
     balance: Balance,
     /// It was told that smooth walls are smooth.
     smoothed: bool,
+    /// Learnt on straight drives alone: in turns it is the turns that wheels and gyro differ by, and what that
+    /// should come to is known too little to say anything of the gyro.
     grip: Grip,
-    /// The same, learnt on straight drives alone. In turns it is the turns that wheels and gyro differ by, and
-    /// what that should come to is known too little: of a gyro as its datasheet says `grip` may believe that
-    /// it is three times as still. The filter drives by that as well as by this (measured); what is adjusted
-    /// as a whole at the end is not.
-    straight: Grip,
     /// Turn of the wheels for one tick of one of them, radians.
     resolution: f64,
 }
@@ -139,7 +136,6 @@ impl Survey {
             balance: Balance::default(),
             smoothed: false,
             grip: Grip::default(),
-            straight: Grip::default(),
             resolution,
         }
     }
@@ -148,7 +144,7 @@ impl Survey {
     /// it.
     #[must_use]
     pub fn blank_on_this_floor(&self) -> Self {
-        Self { grip: self.grip, straight: self.straight, ..Self::new(self.resolution) }
+        Self { grip: self.grip, ..Self::new(self.resolution) }
     }
 
     /// The way was put right by a drift of `rate` (radians per second) that is only a guess: as likely
@@ -188,7 +184,7 @@ impl Survey {
     /// datasheet says.
     #[must_use]
     pub fn grip(&self) -> (f64, f64) {
-        (self.straight.wander(), self.straight.walk())
+        (self.grip.wander(), self.grip.walk())
     }
 
     /// Whether it was told already that smooth walls are smooth.

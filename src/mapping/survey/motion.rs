@@ -93,9 +93,8 @@ impl Survey {
         let spread = self.spread(&row) + rounding;
         let wander = self.grip.wander() * load.length;
         let walk = HEADING_WALK * HEADING_WALK * load.seconds;
-        self.grip.learn(load.length, innovation, spread, walk);
         if load.scrub() < UNTURNED * UNTURNED {
-            self.straight.learn(load.length, innovation, spread, walk);
+            self.grip.learn(load.length, innovation, spread, walk);
         }
         let square = innovation * innovation;
         // A slip says nothing of the heading; what comes after it does again.

@@ -158,15 +158,12 @@ pub struct SnapshotArgs {
         conflicts_with = "replay"
     )]
     pub until: Option<Phase>,
-    /// Folder of a recorded run, in place of a world; needs --at. How it was made is in it: what a run can
-    /// be told is not told again
+    /// Folder of a recorded run, in place of a world; needs --at, and takes no flag of a run
     #[arg(
         long,
         value_name = "DIR",
         requires = "at",
-        conflicts_with_all = [
-            "alpha", "plan", "contour", "laps", "square", "tape", "noise", "seed", "start", "chassis", "config",
-        ]
+        conflicts_with_all = ["MappingFlags", "RobotFlags"]
     )]
     pub replay: Option<PathBuf>,
     /// With --replay, and needed there: instant of the recorded run, in simulated seconds

@@ -94,6 +94,8 @@ pub struct Given<'a> {
     pub held: (f64, f64),
     /// How far from a surface what was seen of it may seem to be, metres: one of [`WITHIN`].
     pub within: f64,
+    /// Whether it is asked as well what the errors of all of it have in common.
+    pub datum: bool,
 }
 
 /// Where the robot was at one rest.
@@ -113,7 +115,7 @@ pub struct Adjusted {
     beams: Vec<f64>,
     /// Contacts that lie on mapped surfaces.
     pub used: usize,
-    /// What the errors of all of it have in common; none while surfaces are looked for from afar.
+    /// What the errors of all of it have in common; none where it was not asked for, or nothing tells.
     pub datum: Option<Datum>,
 }
 
@@ -183,8 +185,7 @@ impl Network {
         }
         let (used, misfit) = unknowns.misfit(&read, &surfaces);
         let seen = surfaces.of.iter().flatten().count();
-        let close = given.within <= CLOSE;
-        let datum = close.then(|| robot.datum(&read, &unknowns, &surfaces)).flatten();
+        let datum = given.datum.then(|| robot.datum(&read, &unknowns, &surfaces)).flatten();
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);

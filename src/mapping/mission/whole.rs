@@ -22,8 +22,8 @@ impl Mission {
         let (map, pose) = (self.map.clone(), self.tracker.pose());
         let path = self.tracker.path().to_vec();
         let mut last = None;
-        for within in WITHIN {
-            last = self.adjusted(within).map(|adjusted| {
+        for (k, within) in WITHIN.into_iter().enumerate() {
+            last = self.adjusted(within, k + 1 == WITHIN.len()).map(|adjusted| {
                 self.follow(&adjusted);
                 (adjusted.used, adjusted.datum)
             });
@@ -45,7 +45,7 @@ impl Mission {
         Some(Whole { datum })
     }
 
-    fn adjusted(&self, within: f64) -> Option<Adjusted> {
+    fn adjusted(&self, within: f64, datum: bool) -> Option<Adjusted> {
         let beams: Vec<f64> =
             self.settings.chassis.sensors.iter().map(|mount| mount.angle).collect();
         self.network.adjust(&Given {
@@ -59,6 +59,7 @@ impl Mission {
             bias: self.tracker.bias(),
             held: self.tracker.held(),
             within,
+            datum,
         })
     }
 

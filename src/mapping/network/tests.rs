@@ -114,6 +114,7 @@ fn adjusted_within(driven: &Driven, contacts: Vec<Contact>, within: f64) -> Opti
         bias: 0.0,
         held: (0.0, 0.0),
         within,
+        datum: false,
     })
 }
 

@@ -141,8 +141,8 @@ fn a_robot_that_was_pushed_finds_out_and_maps_nothing_twice() {
     }
 }
 
-/// In most of these the robot takes walls for objects before it finds out, or its map holds things where they are
-/// not: what it did since its place was last sure is taken back.
+/// Where robots were seen that took walls for objects before they found out, or whose map held things where they are
+/// not: what a robot did since its place was last sure is taken back.
 #[test]
 fn what_a_robot_did_while_it_was_astray_is_taken_back() {
     let flat = include_str!("../../../../sims/flat.toml");

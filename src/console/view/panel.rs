@@ -238,7 +238,7 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
             let whole =
                 vec![format!("{},", wording::turn_error(datum.turn)), wording::error(datum.shift)];
             rows.push(figures("± whole", whole, Role::Text).spare(3));
-            rows.push(row("± among", wording::error(datum.within), Role::Text).spare(3));
+            rows.push(row("± among", wording::error(datum.within), Role::Text).spare(2));
         }
     }
     if let Some(squared) = &map.squared {

@@ -27,6 +27,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod through;
+mod untangle;
 mod whole;
 
 pub use assemble::Loops;

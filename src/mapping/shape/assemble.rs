@@ -2,12 +2,12 @@
 //! itself: where it would, the fit gives way to the contacts themselves. Knows nothing of what the ring is of.
 
 use super::Sample;
-use super::chain::{TOLERANCE, thinned};
 use super::chord::{Floor, is_chord};
 use super::corner::{Joint, Judge};
 use super::gap::TOUCHING;
 use super::plain::plain;
 use super::segment::{Model, Run};
+use super::untangle::{meeting, untangled};
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 
@@ -31,12 +31,6 @@ pub(super) struct Vertex {
     /// The run that the piece belongs to; links belong to the run before them.
     pub(super) run: usize,
 }
-
-/// A loop at a crossing may be no more than contacts out of order up to this length, metres; a longer one is of
-/// something, however thin that is.
-const OUT_OF_ORDER: f64 = 0.3;
-/// A loop longer than this, metres, may be an island, and is turned over only where that is wanted.
-const LARGEST_LOOP: f64 = 1.0;
 
 /// Which loops an outline that crosses itself is freed of, beside those of up to a metre. They are of something
 /// that hangs on the wall, and are turned over.
@@ -84,11 +78,11 @@ pub(super) fn ring(judge: &Judge<'_>, runs: &[Run], loops: Loops) -> Option<Ring
         let size = |n: usize| runs[n].last - runs[n].first;
         let (doubtful, other) = if size(a) <= size(b) { (a, b) } else { (b, a) };
         if !restrain(&mut freedom, doubtful) && !restrain(&mut freedom, other) {
-            return uncrossed(points, turned);
+            return untangled(points, turned);
         }
     }
     let made = to_ring(&tidy(draw(judge, runs, &freedom)));
-    uncrossed(chords(&made).0, turned)
+    untangled(chords(&made).0, turned)
 }
 
 /// A simple ring from `ring`, which corrections of its corners may have made cross itself: loops of a
@@ -102,7 +96,7 @@ pub(super) fn simple(ring: &Ring) -> Option<Ring> {
         return Some(ring.clone());
     }
     let made = to_ring(&without_small_loops(vertices));
-    if is_simple(&made) { Some(made) } else { uncrossed(chords(&made).0, |_| false) }
+    if is_simple(&made) { Some(made) } else { untangled(chords(&made).0, |_| false) }
 }
 
 /// One step less freedom for a run; false when it has none left.
@@ -180,13 +174,6 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         vertices.insert(0, Vertex { at, bulge: 0.0, run });
     }
     vertices
-}
-
-/// Where the straight lines a-b and c-d meet.
-fn meeting(a: Point, b: Point, c: Point, d: Point) -> Option<Point> {
-    let (u, v) = (b - a, d - c);
-    let sine = cross(u, v);
-    (sine.abs() > 1e-12).then(|| a + u * (cross(c - a, v) / sine))
 }
 
 /// All vertices of the ring.
@@ -277,52 +264,6 @@ fn chords(ring: &Ring) -> (Vec<Point>, Vec<usize>) {
     (points, owners)
 }
 
-/// A simple polygon from one that still crosses itself. The shorter loop at each crossing goes, unless it
-/// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again, and so is
-/// the end of a thin board whose faces noise has laid through each other. A loop of more than a metre goes like
-/// that where its two sides that cross are to be `turned`; none else.
-fn uncrossed(mut points: Vec<Point>, turned: impl Fn([(Point, Point); 2]) -> bool) -> Option<Ring> {
-    // Contacts out of order make loops that enclose next to nothing.
-    const THICK: f64 = 0.012;
-    for _ in 0..200 {
-        let Some(&(i, k)) = crossings(&points).first() else {
-            let thin = thinned(&points, TOLERANCE);
-            return (thin.len() >= 3).then(|| Ring::polygon(&thin));
-        };
-        let side = |n: usize| (points[n], points[(n + 1) % points.len()]);
-        let ((a, b), (c, d)) = (side(i), side(k));
-        let at = meeting(a, b, c, d).unwrap_or(b);
-        // From the crossing round to the crossing.
-        let length = |from: usize, to: usize| -> f64 {
-            let between = (from..to).map(|n| side(n % points.len()));
-            between.map(|(here, there)| (there - here).norm()).sum()
-        };
-        let inner = (b - at).norm() + length(i + 1, k) + (c - at).norm();
-        let outer = (d - at).norm() + length(k + 1, points.len() + i) + (a - at).norm();
-        let is_large = inner.min(outer) > LARGEST_LOOP;
-        if is_large && !turned([(a, b), (c, d)]) {
-            return None;
-        }
-        let mut looped: Vec<Point> = if inner <= outer {
-            points[i + 1..=k].to_vec()
-        } else {
-            points[k + 1..].iter().chain(&points[..=i]).copied().collect()
-        };
-        looped.push(at);
-        let of_something = inner.min(outer) > OUT_OF_ORDER
-            || Ring::polygon(&looped).area().abs() > THICK * inner.min(outer);
-        if of_something {
-            points[i + 1..=k].reverse();
-        } else if inner <= outer {
-            points.drain(i + 1..=k);
-        } else {
-            points.truncate(k + 1);
-            points.drain(..=i);
-        }
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -353,47 +294,6 @@ mod tests {
         let mended = simple(&crossed).expect("a neck that is open");
         assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
         assert!((mended.area() - 11.975).abs() < 0.005, "{}", mended.area());
-    }
-
-    #[test]
-    fn a_long_board_whose_faces_cross_is_turned_over_where_that_is_wanted() {
-        // A board of 1.5 m by 20 mm on the lower wall; half a metre up its faces have changed places.
-        let corners = [
-            (0.0, 0.0),
-            (1.99, 0.0),
-            (2.01, 0.5),
-            (2.01, 1.5),
-            (1.99, 1.5),
-            (1.99, 0.5),
-            (2.01, 0.0),
-            (4.0, 0.0),
-            (4.0, 3.0),
-            (0.0, 3.0),
-        ];
-        let points: Vec<Point> = corners.iter().map(|(x, y)| Point::new(*x, *y)).collect();
-        assert_eq!(uncrossed(points.clone(), |_| false), None, "it may be an island");
-        let mended = uncrossed(points, |_| true).expect("a room with a board");
-        assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
-        assert!((mended.area() - 11.97).abs() < 0.005, "{}", mended.area());
-    }
-
-    #[test]
-    fn the_end_of_a_thin_board_whose_faces_cross_stays_on_the_map() {
-        // A board of 0.8 m by 20 mm on the lower wall; for its last 0.4 m the faces have changed places.
-        let corners = [
-            (0.0, 0.0),
-            (1.99, 0.0),
-            (2.006, 0.8),
-            (1.994, 0.8),
-            (2.01, 0.0),
-            (4.0, 0.0),
-            (4.0, 3.0),
-            (0.0, 3.0),
-        ];
-        let points: Vec<Point> = corners.iter().map(|(x, y)| Point::new(*x, *y)).collect();
-        let mended = uncrossed(points, |_| false).expect("a room with a board");
-        assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
-        assert!(mended.distance(Point::new(2.0, 0.8)) < 0.01, "its end is lost");
     }
 
     #[test]

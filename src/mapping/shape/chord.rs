@@ -143,23 +143,39 @@ fn line(from: Point, to: Point) -> Piece {
 
 /// The chords of a room's `outline` across gaps that the robot did not enter: near one end of each a
 /// wall ends, at once or behind what was seen of its end face. Between two walls that both go on
-/// behind it, a chord only cuts off their corner.
+/// behind it, a chord only cuts off their corner. Beside those of the outline as it is, those that show when walls
+/// which the fit ended too early are taken to where they were seen last.
 #[must_use]
 pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Piece> {
+    let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();
+    let lengths = NARROWEST..chassis.passable_gap();
+    let mut found = mouths_of(outline, &touched, &lengths);
+    if let Some(moved) = seen_to_its_ends(outline, Floor::Inside, &touched, &lengths) {
+        let is_new = |mouth: &Piece| {
+            let off = |known: &Piece| (known.at(0.5) - mouth.at(0.5)).norm();
+            found.iter().all(|known| off(known) > known.length())
+        };
+        let more: Vec<Piece> =
+            mouths_of(&moved, &touched, &lengths).into_iter().filter(is_new).collect();
+        found.extend(more);
+    }
+    found
+}
+
+/// The same of the outline as it is, seen as `touched` from the floor within.
+fn mouths_of(outline: &Ring, touched: &[(Point, Point)], lengths: &Range<f64>) -> Vec<Piece> {
     let pieces = &outline.pieces;
     let count = pieces.len();
-    let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();
     let turns = |k: usize| {
         let (before, after) = (&pieces[(k + count - 1) % count], &pieces[k % count]);
         cross(before.tangent(1.0), after.tangent(0.0)) < -WALL_ENDS
     };
-    let lengths = NARROWEST..chassis.passable_gap();
     // Corners reached from the chord over no more than an end face.
     let face = |k: usize| pieces[k % count].length() < END_FACE;
     let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
     let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
     (0..count)
-        .filter(|&k| is_chord(&pieces[k], Floor::Inside, &touched, &lengths))
+        .filter(|&k| is_chord(&pieces[k], Floor::Inside, touched, lengths))
         .filter(|&k| ends_before(k) || ends_after(k))
         .map(|k| pieces[k])
         .collect()
@@ -168,6 +184,7 @@ pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Pi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mapping::map::ContactKind;
 
     #[test]
     fn a_side_goes_on_to_where_it_was_seen_last() {
@@ -196,6 +213,44 @@ mod tests {
         let straight = [at(0.0, 0.0), at(0.8, 0.0), at(1.15, -0.01), at(1.15, 1.0), at(0.0, 1.0)];
         let outline = Ring::polygon(&straight);
         assert_eq!(seen_to_its_ends(&outline, Floor::Outside, &near, &lengths), None);
+    }
+
+    #[test]
+    fn a_gap_behind_a_wall_that_was_ended_too_early_is_one() {
+        // An opening from (1.9, 0) to (2.02, 0) in the lower wall: the fit has ended the wall 0.1 m before it.
+        let at = |x: f64, y: f64| Point::new(x, y);
+        let outline = Ring::polygon(&[
+            at(0.0, 0.0),
+            at(1.8, 0.0),
+            at(2.02, -0.02),
+            at(2.02, 0.0),
+            at(4.0, 0.0),
+            at(4.0, 3.0),
+            at(0.0, 3.0),
+        ]);
+        let seen = |x: f64| Contact {
+            point: at(x, 0.0),
+            from: at(x, 0.15),
+            sensor: Some(0),
+            kind: ContactKind::Range,
+            time: 0.0,
+        };
+        let wall = |to: u32| (0..=to).map(|k| f64::from(k) / 20.0).chain([2.04, 2.1]);
+        let told = |to: u32| {
+            let contacts: Vec<Contact> = wall(to).map(seen).collect();
+            mouths(&outline, &contacts, &Chassis::default())
+        };
+        let ends = |mouth: &Piece| (mouth.from(), mouth.to());
+        assert_eq!(
+            told(38).iter().map(ends).collect::<Vec<_>>(),
+            [(at(1.9, 0.0), at(2.02, -0.02))]
+        );
+        // As it is where nobody saw the wall go on, and none where it was seen as far as the other side.
+        assert_eq!(
+            told(36).iter().map(ends).collect::<Vec<_>>(),
+            [(at(1.8, 0.0), at(2.02, -0.02))]
+        );
+        assert_eq!(told(40), Vec::new());
     }
 
     #[test]

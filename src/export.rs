@@ -8,6 +8,7 @@ pub mod geojson;
 pub mod native;
 pub mod picture;
 pub mod png;
+mod positions;
 pub mod reach;
 pub mod report;
 pub mod ros;
@@ -15,6 +16,7 @@ pub mod strokes;
 pub mod svg;
 pub mod truth;
 
+use self::positions::{closed_positions, is_simple, position, rounded};
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::map::{ContactKind, Phase, RoomMap};
 use crate::mapping::settings::Settings;
@@ -71,40 +73,6 @@ pub const PHASES: [Phase; 4] = [Phase::Boundary, Phase::Shape, Phase::Plan, Phas
 /// coordinates are rounded anyway. Chords lie within a circle, so a coarser one makes every column smaller
 /// than it was measured: with 0.9 mm the leg of a chair, 40 mm thick, lost 1.1 mm of that.
 const SAGITTA: f64 = 0.0001;
-
-/// `value` rounded to `decimals` decimals, with no negative zero.
-fn rounded(value: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
-    let near = (value * scale).round() / scale;
-    if near == 0.0 { 0.0 } else { near }
-}
-
-/// A point as exported: x and y in metres, to a tenth of a millimetre.
-fn position(point: Point) -> [f64; 2] {
-    [rounded(point.x, 4), rounded(point.y, 4)]
-}
-
-/// The outline as an exported ring of positions, closed by repeating the first; none when fewer
-/// than three positions differ.
-fn closed_positions(ring: &Ring) -> Option<Vec<[f64; 2]>> {
-    let coarse = ring.to_points(SAGITTA);
-    // A circle hardly larger than the sagitta is cut into two chords, which enclose nothing.
-    let points = if coarse.len() < 8 && ring.pieces.len() < 3 {
-        ring.to_points(SAGITTA / 10.0)
-    } else {
-        coarse
-    };
-    let mut positions: Vec<[f64; 2]> = points.into_iter().map(position).collect();
-    positions.dedup();
-    while positions.len() > 1 && positions.first() == positions.last() {
-        positions.pop();
-    }
-    let first = *positions.first()?;
-    (positions.len() >= 3).then(|| {
-        positions.push(first);
-        positions
-    })
-}
 
 /// The boundary as it is known: the fitted outline, or before it is fitted the closed lap's contacts,
 /// put in order along the wall and joined by straight pieces; none while the lap is open.

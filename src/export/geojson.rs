@@ -2,7 +2,7 @@
 //! whoever judges a map) read. It knows the roles of features and nothing of files.
 
 use super::reach::{closing, felt};
-use super::{RunRecord, boundary, closed_positions, position, rounded, surface_points};
+use super::{RunRecord, boundary, closed_positions, is_simple, position, rounded, surface_points};
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::follow::clearance;
 use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine};
@@ -118,7 +118,8 @@ fn object(object: &MappedObject, radius: f64) -> Vec<Value> {
     if object.class != ObjectClass::Open {
         let Some(surface) = closed_positions(&object.outline) else { return Vec::new() };
         let kept_off = closing(&object.outline, radius).and_then(|ring| closed_positions(&ring));
-        let Some(ring) = kept_off else {
+        // No reader takes a polygon that crosses itself; the surfaces are one that does not.
+        let Some(ring) = kept_off.filter(|ring| is_simple(ring)) else {
             return vec![feature("object", "Polygon", json!([surface]), more)];
         };
         let id = json!({ "id": object.id });

@@ -263,6 +263,12 @@ fn a_robot_that_was_never_heard_of_and_a_terminal_too_small() {
     let settings = Settings::new(periplus::geometry::Pose::new(0.0, 0.0, 0.0));
     let snapshot = Snapshot::waiting(settings, "nowhere");
     hold("nothing_heard", &snapshot, &Overlay::None);
+    let replay = Snapshot { recorded: true, ..snapshot.clone() };
+    let (symbols, _) = frame::planes(&Model::new(80, 24, Keymap::default()), &replay);
+    assert!(
+        symbols.contains("in the record up to here") && !symbols.contains("waiting"),
+        "{symbols}"
+    );
     hold("help", &snapshot, &Overlay::Help(0));
     let model = Model::new(60, 20, Keymap::default());
     let (symbols, styles) = frame::planes(&model, &snapshot);

@@ -47,7 +47,12 @@ pub(super) fn draw(
         }
         _ if matches!(snapshot.robot, Known::Unknown) => {
             let row = map.y + map.height / 2;
-            let text = "waiting for the robot's first report";
+            // A record that ends before it leaves nothing to wait for.
+            let text = if snapshot.recorded {
+                "no report of the robot in the record up to here"
+            } else {
+                "waiting for the robot's first report"
+            };
             let x = map.x + map.width.saturating_sub(width(text)) / 2;
             pen.text(x, row, text, Role::Unknown);
         }

@@ -97,10 +97,17 @@ fn lies_beyond(outline: &Ring, ring: &Ring) -> bool {
     share(edge(ring), beyond) > SOME
 }
 
-/// Which of the `rings`, closed or not, lie beyond the `outline` of the room, or stand where another does.
+/// Whether what was not gone round stands nowhere off the `outline` of the room: it is the wall, followed by a robot
+/// that was astray.
+fn is_wall(outline: &Ring, &(ring, closed): &(&Ring, bool)) -> bool {
+    !closed && edge(ring).all(|p| outline.distance(p) < SAME_EDGE)
+}
+
+/// Which of the `rings`, closed or not, lie beyond the `outline` of the room, are its wall, or stand where another
+/// does.
 fn impossible(outline: &Ring, rings: &[(&Ring, bool)]) -> Vec<bool> {
-    let beyond = rings.iter().map(|(ring, _)| lies_beyond(outline, ring)).collect();
-    or_twice(rings, beyond)
+    let wrong = |one: &(&Ring, bool)| lies_beyond(outline, one.0) || is_wall(outline, one);
+    or_twice(rings, rings.iter().map(wrong).collect())
 }
 
 /// Which of the `rings`, closed or not, are `wrong`, or stand where another does: of two it is the one that was
@@ -229,8 +236,8 @@ impl Tour {
         self.take_away(&wrong, scene.map, scene.tell);
     }
 
-    /// Takes away what is twice on the map, and what lies beyond the room, now that all lines are driven;
-    /// whether there was anything.
+    /// Takes away what is twice on the map, what lies beyond the room, and what is its wall, now that all lines are
+    /// driven; whether there was anything.
     pub(super) fn take_away_impossible(&mut self, scene: &mut Scene<'_>) -> bool {
         let closed = scene.map.objects.iter().map(|object| object.closed);
         let rings: Vec<(&Ring, bool)> = self.chart.objects().zip(closed).collect();
@@ -239,11 +246,13 @@ impl Tour {
         wrong.contains(&true)
     }
 
-    /// Takes away what turns out to be twice on the `map`, now that all of it was adjusted.
+    /// Takes away what turns out to be twice on the `map`, or its wall, now that all of it was adjusted.
     pub fn take_away_twice(&mut self, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
         let rings: Vec<(&Ring, bool)> =
             map.objects.iter().map(|object| (&object.outline, object.closed)).collect();
-        let wrong = or_twice(&rings, vec![false; rings.len()]);
+        let outline = map.shape.as_ref().map(|shape| &shape.outline);
+        let walls = rings.iter().map(|one| outline.is_some_and(|outline| is_wall(outline, one)));
+        let wrong = or_twice(&rings, walls.collect());
         self.take_away(&wrong, map, tell);
     }
 
@@ -344,6 +353,21 @@ mod tests {
         let room = square(0.0, 0.0, 4.0);
         assert!(!lies_beyond(&room, &square(-0.03, 1.0, 0.5)));
         assert!(lies_beyond(&room, &square(-0.2, 1.0, 0.3)));
+    }
+
+    #[test]
+    fn what_was_not_gone_round_and_stands_nowhere_off_the_wall_is_the_wall() {
+        let room = square(0.0, 0.0, 4.0);
+        let along = |off: f64, thick: f64| {
+            let corners = [(1.0, off), (1.0, off + thick), (3.5, off + thick), (3.5, off)];
+            Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)))
+        };
+        let judged = |ring: &Ring, closed: bool| impossible(&room, &[(ring, closed)]);
+        assert_eq!(judged(&along(0.03, 0.02), false), [true]);
+        assert_eq!(judged(&along(-0.02, 0.03), false), [true]);
+        assert_eq!(judged(&along(0.03, 0.02), true), [false], "the robot went round it");
+        assert_eq!(judged(&along(0.03, 0.2), false), [false], "a cupboard");
+        assert_eq!(judged(&along(0.12, 0.02), false), [false], "a board before the wall");
     }
 
     #[test]

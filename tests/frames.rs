@@ -69,6 +69,18 @@ fn no_figure_is_cut(name: &str, snapshot: &Snapshot) {
     }
 }
 
+/// Of the two errors that walls have, the one among each other stays the longest when rows are short: the walls' own
+/// row holds the other.
+fn the_error_among_the_walls_gives_way_last(complete: &Snapshot) {
+    let told = |rows: u16| {
+        let (symbols, _) = frame::planes(&Model::new(80, rows, Keymap::default()), complete);
+        (symbols.contains("± whole"), symbols.contains("± among"))
+    };
+    let seen: Vec<(bool, bool)> = (16..=40).map(told).collect();
+    assert!(seen.iter().all(|&(whole, among)| among || !whole), "{seen:?}");
+    assert!(seen.contains(&(true, true)) && seen.contains(&(false, true)), "{seen:?}");
+}
+
 #[test]
 fn every_phase_of_a_room_with_an_object() {
     let mut run = run_in(include_str!("../sims/extrinsic_first.toml"));
@@ -117,6 +129,7 @@ fn every_phase_of_a_room_with_an_object() {
     until_paused(&mut run);
     assert_eq!(run.session().run_state(), RunState::Complete);
     hold("9_complete", &run.snapshot(), &Overlay::None);
+    the_error_among_the_walls_gives_way_last(&run.snapshot());
     hold("list", &run.snapshot(), &Overlay::List(0));
     let mut numbered = Model::new(80, 24, Keymap::default());
     perform(&mut numbered, &run.snapshot(), Action::ToggleWalls);

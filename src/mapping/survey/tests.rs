@@ -192,3 +192,18 @@ fn a_gyro_that_never_disagrees_with_the_wheels_is_better_than_its_datasheet() {
     assert!(walk(0.013) > 0.7, "as its datasheet says: {}", walk(0.013));
     assert!(walk(0.0) < 0.3, "better: {}", walk(0.0));
 }
+
+#[test]
+fn turns_in_which_the_wheels_scrub_tell_nothing_of_the_gyro() {
+    let mut survey = Survey::new(TICK);
+    let mut pose = Pose::new(0.0, 0.0, 0.0);
+    let datasheet = survey.grip.walk();
+    for _ in 0..400 {
+        pose = turn(&mut survey, pose);
+    }
+    assert_eq!(survey.grip.walk(), datasheet, "wheels and gyro agreed, which is chance in turns");
+    for _ in 0..400 {
+        pose = drive(&mut survey, pose, 0.05, 0.0, 0.0);
+    }
+    assert!(survey.grip.walk() < 0.5 * datasheet, "{}", survey.grip.walk());
+}

@@ -97,9 +97,9 @@ pub fn console(
     let status = kept.status(0);
     say_recorded(&folder, &kept);
     if unfinished && kept == Kept::Whole {
-        let why = "the run was not finished: the map is as far as it went; a simulated run is not gone on \
-                   with, only made again";
-        super::output::say(&format!("periplus: {why}"));
+        // A line each that an 80 column terminal does not break in the middle of a word.
+        super::output::say("periplus: the run was not finished: the map is as far as it went");
+        super::output::say("periplus: a simulated run is not gone on with, only made again");
     }
     Ok(status_of(ended, status))
 }

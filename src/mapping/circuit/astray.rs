@@ -40,8 +40,13 @@ const MOST_BEGINNINGS: u32 = 3;
 /// leaves no more often than this.
 const SQUEEZED: f64 = 2.0;
 const MOST_LEFT: u32 = 3;
-/// The rounds in a pocket are no longer than this, metres.
+/// It leaves where the way out is no longer than this, metres, for as many rounds; then anywhere.
+const AT_MOUTH: f64 = 1.0;
+const WAITED: usize = 2;
+/// The rounds in a pocket are no longer than this, metres; away from the beginning of the lap, to which drift
+/// leads back rounds of no such length, this.
 const SHORT_ROUND: f64 = 2.5;
+const LONG_ROUND: f64 = 8.0;
 /// It is out again when it has come to a new place after as many metres.
 const OUT: f64 = 0.5;
 /// A lap longer than this will not close any more, metres.
@@ -73,8 +78,12 @@ impl Circuit {
         if round_a_thing == 0 && self.left < MOST_LEFT {
             let since = self.in_pocket(now.travelled, (astray, earliest), (rounds, first_time));
             let seen = self.wall.log().iter();
-            self.leaving = since.and_then(|since| WayOut::of(&self.trail, since, seen));
-            if self.leaving.is_some() {
+            if let Some((since, way)) =
+                since.and_then(|at| Some((at, WayOut::of(&self.trail, at, seen)?)))
+            {
+                // It leaves where it came in: from anywhere else the way back may lead through what is as narrow.
+                let is_there = since - way.entered < AT_MOUTH || rounds.max(astray) > LOST + WAITED;
+                self.leaving = is_there.then_some(way);
                 return false;
             }
         }
@@ -95,15 +104,15 @@ impl Circuit {
     /// pocket that only its own way leads out of; none when it does not. It was here so many times, and when first:
     /// away from the beginning of the lap, and in `all`.
     fn in_pocket(&self, travelled: f64, away: (usize, f64), all: (usize, f64)) -> Option<f64> {
-        // Long rounds are of the whole lap, led astray by drift.
-        let is_short = |(rounds, first): (usize, f64)| {
-            travelled - first < SHORT_ROUND * f64::from(rounds as u32)
-        };
-        let in_vain = self.squeezing.is_some_and(|since| travelled - since > SQUEEZED);
-        let is_lost = away.0 >= LOST || (in_vain && away.0 > 0);
+        let round =
+            |(rounds, first): (usize, f64)| (travelled - first) / f64::from(rounds.max(1) as u32);
+        // Longer rounds are of the whole lap, led astray by drift.
+        let (here, off) = (round(all), round(away));
+        let in_vain = |since: f64| travelled - since > SQUEEZED.max(off);
+        let is_lost = away.0 >= LOST || (away.0 > 0 && self.squeezing.is_some_and(in_vain));
         // Near its beginning a lap may close; but not one that goes round and round a few metres.
-        let whirls = all.0 >= LOST && is_short(all);
-        whirls.then_some(all.1).or_else(|| (is_lost && is_short(away)).then_some(away.1))
+        let whirls = all.0 >= LOST && here < SHORT_ROUND;
+        whirls.then_some(all.1).or_else(|| (is_lost && off < LONG_ROUND).then_some(away.1))
     }
 
     /// The next motion out of a pocket by the way that led into it; none when it is not on that. Back before the

@@ -4,6 +4,7 @@
 //! what was seen of the walls; not how rounds are told.
 
 use super::Anchor;
+use crate::geometry::segment::Segment;
 use crate::geometry::{Point, Pose, angle, cross};
 use crate::mapping::follow::{Ask, AtRest};
 use crate::mapping::retreat::Retreat;
@@ -43,7 +44,12 @@ impl WayOut {
     ) -> Option<Self> {
         let first = trail.partition_point(|place| place.travelled < earliest);
         let (before, rounds) = trail.split_at_checked(first)?;
-        let near = |p: Point| rounds.iter().any(|q| (q.pose.position - p).norm() < OF_ROUND);
+        // Along a straight wall the steps are long, and end elsewhere on each round.
+        let steps = rounds.windows(2);
+        let steps = steps.map(|two| Segment::new(two[0].pose.position, two[1].pose.position));
+        let steps: Vec<Segment> = steps.collect();
+        let near =
+            |p: Point| steps.iter().any(|step| step.distance_squared(p) < OF_ROUND * OF_ROUND);
         let mouth = before.iter().rposition(|place| !near(place.pose.position))?;
         let out = before[..mouth]
             .iter()

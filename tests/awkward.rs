@@ -160,6 +160,19 @@ vertices = [[0.156, 3.538], [1.15, 3.538], [1.15, 4.141], [1.007, 4.141],
             [1.007, 3.68], [0.298, 3.68], [0.298, 4.141], [0.156, 4.141]]
 "#;
 
+/// Two rooms with a doorway of 0.8 m between them; a U in the right one stands before it, so that there is only
+/// 0.3 m to get in by.
+const U_IN_A_DOORWAY: &str = r#"
+start = { x = 4.3, y = 2.1, heading = 197 }
+[boundary]
+vertices = [[3, 0], [5.09, 0], [5.09, 1.19], [5.18, 1.19], [5.18, 0], [7.9, 0], [7.9, 2.6],
+            [5.18, 2.6], [5.18, 1.99], [5.09, 1.99], [5.09, 2.6], [3, 2.6]]
+[[objects]]
+name = "U"
+vertices = [[5.4365, 1.194], [6.5825, 1.194], [6.5825, 1.8407], [6.529, 1.8407],
+            [6.529, 1.2475], [5.49, 1.2475], [5.49, 1.8407], [5.4365, 1.8407]]
+"#;
+
 /// An island `gap` metres off the end of a wall, the robot starting at `start`.
 fn island(gap: f64, start: &str) -> String {
     let tip = 2.6 - gap;
@@ -285,6 +298,15 @@ fn so_it_does_out_of_one_that_takes_three_metres_to_go_round() {
         let (area, way) = reported::bounded(U_BEFORE_A_WALL, "calibrated", seed);
         assert!((2.6..2.75).contains(&area), "seed {seed}: {area} m2");
         assert!(way < 35.0, "seed {seed}: {way} m, and once round it is 9");
+    }
+}
+
+#[test]
+fn a_room_out_of_which_the_robot_had_to_squeeze_is_mapped_once_round() {
+    // Before, what it saw between the places where it began to squeeze was left out, and no outline was found.
+    for seed in [14, 60] {
+        let (area, _) = reported::bounded(U_IN_A_DOORWAY, "harsh", seed);
+        assert!((12.0..13.0).contains(&area), "seed {seed}: {area} m2");
     }
 }
 

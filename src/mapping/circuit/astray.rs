@@ -69,7 +69,10 @@ impl Circuit {
             self.squeezing = Some(now.travelled);
             // Side by side in a maze the robot may have been in one corridor after the other, and not in any again.
             if are_as_long(&visited(&self.trail, away)) {
-                self.pocket = Some(Pocket::after(self.pocket, earliest, now.travelled));
+                // Later rounds of those that it had squeezed on before hold on to where the robot is by now: what it
+                // came by on the first of them before that was seen once only.
+                let before = self.pocket.filter(|rounds| self.left > 0 || !rounds.holds(earliest));
+                self.pocket = Some(Pocket::after(before, earliest, now.travelled));
             }
             self.follower.squeeze(true);
         }

@@ -117,6 +117,8 @@ pub struct Tour {
     /// What is to be measured when the robot is there, and what was: place and direction.
     to_tie: Option<Span>,
     tied: Vec<(Point, Vector)>,
+    /// Numbers of the objects that were felt for there, and whether they were met.
+    felt: Vec<(u32, bool)>,
     /// Where what is mapped left the robot no way out.
     shut_in: Vec<Point>,
     /// Where lines were given up because what is mapped stopped the robot.
@@ -178,6 +180,7 @@ impl Tour {
             feel_for: Vec::new(),
             to_tie: None,
             tied: Vec::new(),
+            felt: Vec::new(),
             shut_in: Vec::new(),
             stops: Stops::default(),
             fixed_by: None,
@@ -192,8 +195,9 @@ impl Tour {
     /// tour measured from what it stands beside is not measured again.
     #[must_use]
     pub fn of_the_rest(&self, settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
-        let (whole, tied) = (Self::new(settings, map, survey), self.tied.clone());
-        Self { queue: VecDeque::new(), driven: whole.total, begun: true, tied, ..whole }
+        let whole = Self::new(settings, map, survey);
+        let (tied, felt) = (self.tied.clone(), self.felt.clone());
+        Self { queue: VecDeque::new(), driven: whole.total, begun: true, tied, felt, ..whole }
     }
 
     /// Whether a line was begun.

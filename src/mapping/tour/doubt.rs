@@ -237,12 +237,15 @@ impl Tour {
         self.take_away(&wrong, scene.map, scene.tell);
     }
 
-    /// Takes away what is twice on the map, what lies beyond the room, and what is its wall, now that all lines are
-    /// driven; whether there was anything.
+    /// Takes away what is twice on the map, what lies beyond the room, what is its wall, and what was felt for in
+    /// vain, now that all lines are driven; whether there was anything.
     pub(super) fn take_away_impossible(&mut self, scene: &mut Scene<'_>) -> bool {
         let closed = scene.map.objects.iter().map(|object| object.closed);
         let rings: Vec<(&Ring, bool)> = self.chart.objects().zip(closed).collect();
-        let wrong = impossible(self.chart.outline(), &rings);
+        let mut wrong = impossible(self.chart.outline(), &rings);
+        for (wrong, object) in wrong.iter_mut().zip(&scene.map.objects) {
+            *wrong |= self.is_missing(object.id);
+        }
         self.take_away(&wrong, scene.map, scene.tell);
         wrong.contains(&true)
     }

@@ -6,7 +6,8 @@
 //! distance between them anew, and since what the wheels are off by differs from one motion to the
 //! next, a few short ways say what one long line across the room cannot. Surveyors tie detail points to
 //! their control points in the same way. Which faces are measured is chosen by what the survey
-//! believes: where most is learnt for the metres it costs.
+//! believes: where most is learnt for the metres it costs. An object that is felt for in vain where it has to
+//! be, again and again, is not there.
 
 use super::drive::{Drive, Purpose};
 use super::{Doing, ROOM, Scene, Tour};
@@ -15,6 +16,7 @@ use crate::mapping::chart::Chart;
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, STRIDE};
+use crate::mapping::map::RoomMap;
 use crate::mapping::survey::{STRIDE_SHARE, Survey};
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 
@@ -45,6 +47,8 @@ const MOST_FOR_EACH: usize = 4;
 const STRAIGHT: f64 = 0.05;
 /// How far beyond where a face should be the robot goes in search of it, metres.
 const BEYOND: f64 = 0.05;
+/// An object is not there that was felt for in vain at so many places, and met at none.
+const IN_VAIN: usize = 2;
 
 /// Two faces that look at each other, and the way between.
 #[derive(Debug, Clone, Copy)]
@@ -65,6 +69,8 @@ pub(super) struct Span {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shuttle {
     span: Span,
+    /// Number of the object.
+    of: u32,
     /// Ways that are left.
     left: u32,
     forwards: bool,
@@ -156,7 +162,8 @@ impl Tour {
             let done = |(place, along): &(Point, Vector)| {
                 (place - span.at).norm() < SAME_PLACE && along.dot(&span.along) > SAME_WAY
             };
-            span.spread > SURE * SURE && !self.tied.iter().any(done)
+            let is_there = scene.map.objects.get(span.of).is_some_and(|o| !self.is_missing(o.id));
+            is_there && span.spread > SURE * SURE && !self.tied.iter().any(done)
         });
         let worth = |span: &Span, way: f64| {
             let gain = span.spread - span.after();
@@ -180,11 +187,19 @@ impl Tour {
     }
 
     /// At the object: to and fro from here.
-    pub(super) fn begin_shuttle(&mut self) {
+    pub(super) fn begin_shuttle(&mut self, map: &RoomMap) {
         self.doing = self.to_tie.take().map_or(Doing::Choosing, |span| {
             let from = span.at;
-            Doing::Tying(Shuttle { span, left: WAYS, forwards: true, from, moves: 0 })
+            let of = map.objects.get(span.of).map_or(0, |object| object.id);
+            Doing::Tying(Shuttle { span, of, left: WAYS, forwards: true, from, moves: 0 })
         });
+    }
+
+    /// Whether the object `id` was felt for in vain again and again, and never met.
+    pub(super) fn is_missing(&self, id: u32) -> bool {
+        let mut of_it = self.felt.iter().filter(|(of, _)| *of == id).map(|(_, met)| *met);
+        let in_vain = of_it.clone().filter(|met| !met).count();
+        in_vain >= IN_VAIN && !of_it.any(|met| met)
     }
 
     /// The next motion between the two faces; none when it is over.
@@ -205,6 +220,9 @@ impl Tour {
                     return None;
                 }
                 if sensor == ahead {
+                    if !shuttle.forwards {
+                        self.felt.push((shuttle.of, true));
+                    }
                     shuttle.left -= 1;
                     shuttle.forwards = !shuttle.forwards;
                     shuttle.from = pose.position;
@@ -216,6 +234,10 @@ impl Tour {
         let most = shuttle.span.length + BEYOND;
         let gone = (pose.position - shuttle.from).norm();
         shuttle.moves += 1;
+        if gone > most && !shuttle.forwards {
+            // What looks at it was met, and so the robot is where it believes it is.
+            self.felt.push((shuttle.of, false));
+        }
         if shuttle.left == 0 || gone > most || shuttle.moves > 8 * WAYS {
             return None;
         }
@@ -241,9 +263,11 @@ impl Tour {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::room_gone_along;
     use super::*;
-    use crate::geometry::Ring;
-    use crate::mapping::map::{MappedObject, ObjectClass, RoomMap};
+    use crate::geometry::{Pose, Ring};
+    use crate::mapping::follow::AtRest;
+    use crate::mapping::map::{MappedObject, ObjectClass};
     use crate::mapping::shape;
     use crate::mapping::survey::Hung;
     use crate::robot::Chassis;
@@ -278,5 +302,43 @@ mod tests {
             assert!((flat.at - steep.at).norm() < 1e-9);
             assert!(flat.length < 1.2 && steep.length > flat.length + 0.1, "{steep:?}");
         }
+    }
+    #[test]
+    fn what_is_felt_for_in_vain_twice_is_not_there() {
+        let (settings, mut map, mut tracker) = room_gone_along(0.16);
+        let mut survey = Survey::new(0.003);
+        survey.mark(settings.start.position, 0);
+        let corners =
+            [(1.0, 0.6), (1.6, 0.6), (1.6, 0.8), (1.0, 0.8)].map(|(x, y)| Point::new(x, y));
+        let outline = Ring::polygon(&corners);
+        let (class, contacts) = (ObjectClass::Rectangle, Vec::new());
+        map.objects.push(MappedObject { id: 4, class, outline, closed: false, contacts });
+        let mut tour = Tour::new(&settings, &map, &survey);
+        // Below it, its back to it, and the wall of the room 0.32 m before it.
+        let mut told = Vec::new();
+        for (x, still_there) in [(1.2, true), (1.4, false)] {
+            let at = Point::new(x, 0.46);
+            let span = Span { of: 0, at, along: -Vector::y(), length: 0.32, spread: 1e-4 };
+            let from = at - Vector::y() * 0.32;
+            // Backwards, and farther than it can be.
+            let pose = Pose { position: at + Vector::y() * 0.06, heading: -angle::FRAC_PI_2 };
+            let rest = AtRest { pose, closed: SwitchSet::EMPTY, reason: DoneReason::Complete };
+            let mut scene = Scene {
+                tracker: &mut tracker,
+                survey: &mut survey,
+                rest,
+                map: &mut map,
+                tell: &mut told,
+            };
+            let shuttle = Shuttle { span, of: 4, left: 3, forwards: false, from, moves: 2 };
+            let over = tour.shuttle(shuttle, Some(DoneReason::Complete), &mut scene);
+            assert_eq!(over, None, "at {x} m");
+            assert_eq!(tour.take_away_impossible(&mut scene), !still_there, "at {x} m");
+        }
+        assert_eq!(told, [EventKind::ObjectRefuted { id: 4 }]);
+        assert!(map.objects.is_empty());
+        // Met once, it is there, wherever else it is not.
+        tour.felt = vec![(5, false), (5, true), (5, false)];
+        assert!(!tour.is_missing(5));
     }
 }

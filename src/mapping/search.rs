@@ -58,6 +58,9 @@ pub enum Next {
     Failed(Failure),
 }
 
+/// What is met within this of straight ahead can be gone round either way, radians.
+const AHEAD: f64 = 1.0;
+
 /// The search for the boundary.
 #[derive(Debug, Clone)]
 pub struct Search {
@@ -79,6 +82,8 @@ pub struct Search {
     /// A place in the room, if that is not where the run began: in a frame of its own the robot knows no
     /// other than where this frame begins.
     within: Option<Point>,
+    /// How it was turned when it met something first, whole turns counted, radians.
+    facing: Option<f64>,
 }
 
 impl Search {
@@ -98,6 +103,7 @@ impl Search {
             earlier: Vec::new(),
             any_drift: true,
             within: None,
+            facing: None,
         }
     }
 
@@ -318,11 +324,14 @@ impl Search {
         map: &RoomMap,
         tell: &mut Vec<EventKind>,
     ) -> Option<Next> {
+        let heading = tracker.cumulative_heading();
+        let turned = heading - *self.facing.get_or_insert(heading);
         let (by, side) = match rest.reason {
             DoneReason::Guard { sensor, .. } => {
-                (self.chassis.sensors[sensor].name.clone(), side_of(&self.chassis, sensor))
+                let sensor = &self.chassis.sensors[sensor];
+                (sensor.name.clone(), side_of(sensor.angle, turned))
             }
-            DoneReason::Bumper | DoneReason::Stalled => ("bumper".to_owned(), Side::Left),
+            DoneReason::Bumper | DoneReason::Stalled => ("bumper".to_owned(), side_of(0.0, turned)),
             _ => {
                 self.doing = Doing::Driving;
                 return Some(self.drive(rest));
@@ -376,8 +385,31 @@ impl Search {
     }
 }
 
-/// On which hand to keep what `sensor` saw: right only when it saw it on the right.
-fn side_of(chassis: &Chassis, sensor: usize) -> Side {
-    let bearing = chassis.sensors[sensor].angle;
+/// On which hand to keep what was met at `bearing`, radians from ahead: right only when it is on the right. Round
+/// what is ahead either way is as good, and by a robot that has `turned` (radians) more than once round it is gone
+/// the way that turns it back: what the scale of a gyro is off by grows with every turn the same way.
+fn side_of(bearing: f64, turned: f64) -> Side {
+    let is_ahead = bearing.abs() < AHEAD;
+    if is_ahead && turned.abs() > angle::TAU {
+        return if turned > 0.0 { Side::Right } else { Side::Left };
+    }
     if bearing < -0.5 && bearing > 0.1 - angle::PI { Side::Right } else { Side::Left }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_that_has_turned_round_and_round_goes_back_the_other_way() {
+        let (ahead, left, right) = (0.0, 1.57, -1.57);
+        for turned in [-7.0, -3.0, 0.0, 3.0, 7.0] {
+            assert_eq!(side_of(left, turned), Side::Left);
+            assert_eq!(side_of(right, turned), Side::Right);
+        }
+        // With the wall on the right it goes clockwise about a thing.
+        let sides = [-7.0, -3.0, 3.0, 7.0].map(|turned| side_of(ahead, turned));
+        assert_eq!(sides, [Side::Left, Side::Left, Side::Left, Side::Right]);
+        assert_eq!(side_of(-0.78, -7.0), Side::Left);
+    }
 }

@@ -195,11 +195,15 @@ impl Tour {
         });
     }
 
-    /// Whether the object `id` was felt for in vain again and again, and never met.
+    /// Whether the object `id` was felt for in vain again and again, and never met. That says nothing as long as the
+    /// switch has met nothing since: it may be dead.
     pub(super) fn is_missing(&self, id: u32) -> bool {
-        let mut of_it = self.felt.iter().filter(|(of, _)| *of == id).map(|(_, met)| *met);
-        let in_vain = of_it.clone().filter(|met| !met).count();
-        in_vain >= IN_VAIN && !of_it.any(|met| met)
+        let of_it = |(of, _): &&(u32, bool)| *of == id;
+        let met = |(_, met): &(u32, bool)| *met;
+        let missed = self.felt.iter().enumerate().filter(|(_, felt)| of_it(felt) && !met(felt));
+        let told = missed.map(|(k, _)| k).nth(IN_VAIN - 1);
+        !self.felt.iter().filter(of_it).any(met)
+            && told.is_some_and(|told| self.felt[told..].iter().any(met))
     }
 
     /// The next motion between the two faces; none when it is over.
@@ -333,6 +337,8 @@ mod tests {
             let shuttle = Shuttle { span, of: 4, left: 3, forwards: false, from, moves: 2 };
             let over = tour.shuttle(shuttle, Some(DoneReason::Complete), &mut scene);
             assert_eq!(over, None, "at {x} m");
+            assert!(!tour.take_away_impossible(&mut scene), "the switch may be dead");
+            tour.felt.push((1, true));
             assert_eq!(tour.take_away_impossible(&mut scene), !still_there, "at {x} m");
         }
         assert_eq!(told, [EventKind::ObjectRefuted { id: 4 }]);

@@ -44,7 +44,7 @@ use line::Stops;
 use rounds::{Half, Pass, Round};
 use std::collections::VecDeque;
 use sureness::Sureness;
-use ties::{Shuttle, Span};
+use ties::Shuttle;
 
 /// The centre keeps this beyond the body's radius from everything on a way, metres.
 const ROOM: f64 = 0.03;
@@ -115,7 +115,7 @@ pub struct Tour {
     /// Directions of the walls to feel for.
     feel_for: Vec<Vector>,
     /// What is to be measured when the robot is there, and what was: place and direction.
-    to_tie: Option<Span>,
+    to_tie: Option<Shuttle>,
     tied: Vec<(Point, Vector)>,
     /// Numbers of the objects that were felt for there, and whether they were met.
     felt: Vec<(u32, bool)>,

@@ -1,8 +1,8 @@
 //! Whether the robot can be where it believes it is. What is met where the body has been before, or beyond
 //! the room, cannot be there; nor can anything gone round hold places where the body has been, or reach
 //! into what is mapped, nor what is mapped stop the robot again and again where the map leaves it a way; and what
-//! it did not get round, and stands nowhere off the wall, is the wall. Either
-//! something has moved or the robot is astray, and a robot that is astray maps everything twice. It finds such
+//! it did not get round, and stands nowhere off the wall, is the wall, and what was felt for in vain is not there.
+//! Either something has moved or the robot is astray, and a robot that is astray maps everything twice. It finds such
 //! contradictions and takes off the map what they show to be wrong; the robot's place is looked for by the
 //! mission, as after it was carried.
 

@@ -91,7 +91,7 @@ impl Tour {
                 Purpose::Tie => {
                     self.doing = Doing::Choosing;
                     if !drive.left_out.is_some() {
-                        self.begin_shuttle(scene.map);
+                        self.begin_shuttle();
                     }
                     return None;
                 }

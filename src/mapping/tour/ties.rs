@@ -16,7 +16,6 @@ use crate::mapping::chart::Chart;
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, STRIDE};
-use crate::mapping::map::RoomMap;
 use crate::mapping::survey::{STRIDE_SHARE, Survey};
 use crate::robot::{DoneReason, Guard, Motion, SwitchSet};
 
@@ -69,7 +68,7 @@ pub(super) struct Span {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shuttle {
     span: Span,
-    /// Number of the object.
+    /// Number of the object, which stays when others before it are taken off the map.
     of: u32,
     /// Ways that are left.
     left: u32,
@@ -180,19 +179,16 @@ impl Tour {
             })
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
         self.tied.push((span.at, span.along));
-        self.to_tie = Some(span);
         let id = scene.map.objects.get(span.of).map_or(0, |object| object.id);
+        let (left, from) = (WAYS, span.at);
+        self.to_tie = Some(Shuttle { span, of: id, left, forwards: true, from, moves: 0 });
         scene.tell.push(EventKind::Tying { id, sd: span.spread.sqrt() });
         Some(Drive { purpose: Purpose::Tie, ..Drive::new(0, span.at, span.at) })
     }
 
     /// At the object: to and fro from here.
-    pub(super) fn begin_shuttle(&mut self, map: &RoomMap) {
-        self.doing = self.to_tie.take().map_or(Doing::Choosing, |span| {
-            let from = span.at;
-            let of = map.objects.get(span.of).map_or(0, |object| object.id);
-            Doing::Tying(Shuttle { span, of, left: WAYS, forwards: true, from, moves: 0 })
-        });
+    pub(super) fn begin_shuttle(&mut self) {
+        self.doing = self.to_tie.take().map_or(Doing::Choosing, Doing::Tying);
     }
 
     /// Whether the object `id` was felt for in vain again and again, and never met. That says nothing as long as the
@@ -271,7 +267,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Pose, Ring};
     use crate::mapping::follow::AtRest;
-    use crate::mapping::map::{MappedObject, ObjectClass};
+    use crate::mapping::map::{MappedObject, ObjectClass, RoomMap};
     use crate::mapping::shape;
     use crate::mapping::survey::Hung;
     use crate::robot::Chassis;
@@ -307,6 +303,7 @@ mod tests {
             assert!(flat.length < 1.2 && steep.length > flat.length + 0.1, "{steep:?}");
         }
     }
+
     #[test]
     fn what_is_felt_for_in_vain_twice_is_not_there() {
         let (settings, mut map, mut tracker) = room_gone_along(0.16);

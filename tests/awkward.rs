@@ -1,7 +1,7 @@
 //! Rooms in which things stand awkwardly: a gap that the robot passes on one side only and that would
 //! keep it going round the thing behind it for ever; a thing seen past from both sides of a gap; a post
 //! thinner than a beam is sure to meet; a wedge that holds the body on both sides; a board with no passage
-//! between it and the wall; a pocket that the robot slips into; an island off the end of a wall, by a gap
+//! between it and the wall; pockets that the robot slips into, and a room that it has to squeeze out of; an island off the end of a wall, by a gap
 //! that is seen whole from one side and not from the other; a thin post that only its neck joins to a wall; a
 //! nook behind gaps that are a little wider than the body.
 

@@ -89,6 +89,9 @@ pub struct Chassis {
 }
 
 impl Chassis {
+    /// By how much a strait is narrower than the swath, metres.
+    pub const STRAIT_MARGIN: f64 = 0.02;
+
     /// The default robot with `count` switches evenly round the body, the first straight ahead;
     /// four or eight get their usual names.
     #[must_use]
@@ -145,12 +148,12 @@ impl Chassis {
         self.swath() + 0.02
     }
 
-    /// The map ends at anything narrower that has a room behind it: 2(r + d) - 20 mm, metres. The follower gets
+    /// The map ends at anything narrower that has a room behind it: 2(r + d) less [`STRAIT_MARGIN`](Self::STRAIT_MARGIN), metres. The follower gets
     /// through some of these and not through others; from 2(r + d) + 10 mm on through all, and between the map tells
     /// what it did, since the width of a gap is known to no more than a centimetre.
     #[must_use]
     pub fn strait(&self) -> f64 {
-        self.swath() - 0.02
+        self.swath() - Self::STRAIT_MARGIN
     }
 
     /// The switch whose beam points nearest to `angle` (radians from ahead), if one is within

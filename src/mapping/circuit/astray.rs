@@ -40,7 +40,8 @@ const MOST_BEGINNINGS: u32 = 3;
 /// leaves no more often than this.
 const SQUEEZED: f64 = 2.0;
 const MOST_LEFT: u32 = 3;
-/// It leaves where the way out is no longer than this, metres, for as many rounds; then anywhere.
+/// It leaves where the way out is no longer than this, metres, and anywhere once it has waited for that so many
+/// rounds longer.
 const AT_MOUTH: f64 = 1.0;
 const WAITED: usize = 2;
 /// The rounds in a pocket are no longer than this, metres; away from the beginning of the lap, to which drift

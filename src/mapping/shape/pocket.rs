@@ -3,21 +3,18 @@
 //! lines and arcs.
 
 use crate::mapping::map::Contact;
+use crate::robot::Chassis;
 
 /// A wall on the robot's hand is seen to this much more than its reach, metres.
 const SLACK: f64 = 0.02;
-/// A gap is too narrow where it is narrower than twice the reach by so much, metres, as in
-/// [`Chassis::strait`](crate::robot::Chassis::strait): the map ends there, and in any wider one shows what the
-/// robot did.
-const NARROWER: f64 = 0.02;
 /// A visit to a pocket ends as near as this to where it began, metres, ...
 const MOUTH: f64 = 0.06;
 /// ... after so much of the way at least, and at most, metres: behind a long one there is a room.
 const SHORTEST_VISIT: f64 = 0.25;
 const LONGEST_VISIT: f64 = 2.5;
 
-/// Without what was seen in pockets: where the robot squeezed into a gap too narrow to pass, went to
-/// and fro in it and came out again, the way through all it saw there would be a tangle. What is left
+/// Without what was seen in pockets: where the robot squeezed into a gap too narrow to pass (a strait), went
+/// to and fro in it and came out again, the way through all it saw there would be a tangle. What is left
 /// is the two sides of the mouth. `reach` is body radius plus range of the switches, metres.
 pub(super) fn without_pockets(contacts: &[Contact], reach: f64) -> Vec<Contact> {
     let narrow: Vec<bool> = (0..contacts.len()).map(|k| is_narrow(contacts, k, reach)).collect();
@@ -51,7 +48,7 @@ fn is_narrow(contacts: &[Contact], index: usize, reach: f64) -> bool {
     contacts.iter().any(|other| {
         let there = other.point - seen.from;
         there.norm() < reach + SLACK
-            && (other.point - seen.point).norm() < 2.0 * reach - NARROWER
+            && (other.point - seen.point).norm() < 2.0 * reach - Chassis::STRAIT_MARGIN
             && here.dot(&there) < -0.5 * here.norm() * there.norm()
     })
 }

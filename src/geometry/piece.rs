@@ -109,6 +109,20 @@ impl Piece {
         }
     }
 
+    /// What lies between the shares `from` and `to` (0 to 1) of the length.
+    #[must_use]
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        match *self {
+            Self::Line { .. } => Self::Line { from: self.at(from), to: self.at(to) },
+            Self::Arc { center, radius, start, sweep } => Self::Arc {
+                center,
+                radius,
+                start: angle::wrap(start + sweep * from),
+                sweep: sweep * (to - from),
+            },
+        }
+    }
+
     /// Distance from `p` to the nearest point of the piece, metres.
     #[must_use]
     pub fn distance(&self, p: Point) -> f64 {

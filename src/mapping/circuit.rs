@@ -13,6 +13,7 @@ mod astray;
 mod candidate;
 mod closure;
 mod crossing;
+mod strait;
 mod way_out;
 
 pub use closure::{Anchor, Closure, Pocket};
@@ -73,11 +74,17 @@ pub struct Circuit {
     trail: Vec<Anchor>,
     /// Odometer when the robot began to squeeze through gaps that it would not enter, to get out again.
     squeezing: Option<f64>,
+    /// The same where it has got out since.
+    squeezed: Option<f64>,
     /// The rounds that were driven in vain before that.
     pocket: Option<Pocket>,
     /// Out of the pocket by the way that led into it, and how often that was done.
     leaving: Option<WayOut>,
     left: u32,
+    /// Odometer when the gap was closed to it that had led it off to a thing, metres.
+    parted: Option<f64>,
+    /// The narrowest gap it is sent through, metres.
+    passable: f64,
     /// It goes round something else than it began with, in the same room as here, or in a pocket of it.
     led_from: Option<Point>,
     /// How often the lap began anew.
@@ -102,9 +109,12 @@ impl Circuit {
             overlap,
             trail: Vec::new(),
             squeezing: None,
+            squeezed: None,
             pocket: None,
             leaving: None,
             left: 0,
+            parted: None,
+            passable: chassis.passable_gap(),
             led_from: None,
             begun_anew: 0,
             within: None,

@@ -198,8 +198,13 @@ impl Follower {
         self.stride = SHORTEST_STRIDE;
         self.frontier = None;
         if let Some((one, other)) = gap {
-            self.held.bar(one, other);
+            self.close(one, other);
         }
+    }
+
+    /// The gap between two points is closed to it, as if something stood there.
+    pub fn close(&mut self, one: Point, other: Point) {
+        self.held.bar(one, other);
     }
 
     /// What is `known` to stand about and to be no part of the wall makes no gap that is refused.

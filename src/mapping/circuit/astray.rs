@@ -3,7 +3,7 @@
 //! or goes round a thing that it took for wall. The lap would never close as it began.
 
 use super::way_out::WayOut;
-use super::{Anchor, Circuit, Closure, Pocket};
+use super::{Anchor, Circuit, Closure, Pocket, strait};
 use crate::geometry::{Point, Ring, angle};
 use crate::mapping::follow::{Ask, AtRest, Side};
 use crate::mapping::odometry::Tracker;
@@ -27,6 +27,11 @@ const IN_VAIN: usize = 8;
 /// Rounds about the outside of something, away from the beginning, after which the robot has left what it
 /// followed: a room is gone round on its inside.
 const ROUND_A_THING: usize = 2;
+/// What led it off is a gap that it passes or not, as it comes there: no wider than the passable one by more than
+/// this, metres.
+const LED_OFF: f64 = 0.08;
+/// Closed to it, that gap has led it back after so many rounds more, or does not.
+const LED_BACK: f64 = 1.5;
 /// Rounds that run like the round before, after which it is lost as well: a lap that was not known again
 /// on its first round may still close on its second.
 const ALIKE: usize = 2;
@@ -57,17 +62,27 @@ impl Circuit {
     /// Whether the lap will not close any more. In a pocket, away from its beginning, the robot first
     /// tries to get out by squeezing through what it would not have entered.
     pub(super) fn is_endless(&mut self, tracker: &Tracker) -> bool {
-        let (Some(now), Some(first)) = (self.previous, self.anchors.first()) else {
+        let (Some(now), Some(first)) = (self.previous, self.anchors.first().copied()) else {
             return false;
         };
         let away = |place: &Anchor| (place.pose.position - first.pose.position).norm() > BEGINNING;
         let (astray, earliest) = visits(&self.trail, away);
+        let (rounds, first_time) = visits(&self.trail, |_| true);
+        let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
+        let lost = astray >= LOST
+            || rounds >= IN_VAIN
+            || round_a_thing >= ROUND_A_THING
+            || alike(&self.trail) >= ALIKE;
+        if lost && self.is_led_back(now.travelled, first_time) {
+            return false;
+        }
         let out = |since: f64| astray == 0 && now.travelled - since > OUT;
         if self.squeezing.is_some_and(out) {
             self.squeezing = None;
             self.follower.squeeze(false);
         } else if self.squeezing.is_none() && astray >= ASTRAY {
             self.squeezing = Some(now.travelled);
+            self.squeezed = self.squeezing;
             // Side by side in a maze the robot may have been in one corridor after the other, and not in any again.
             if are_as_long(&visited(&self.trail, away)) {
                 // Later rounds of those that it had squeezed on before hold on to where the robot is by now: what it
@@ -77,8 +92,6 @@ impl Circuit {
             }
             self.follower.squeeze(true);
         }
-        let round_a_thing = goes_round(&self.trail, self.follower.side(), away);
-        let (rounds, first_time) = visits(&self.trail, |_| true);
         if round_a_thing == 0 && self.left < MOST_LEFT {
             let since = self.in_pocket(now.travelled, (astray, earliest), (rounds, first_time));
             let seen = self.wall.log().iter();
@@ -91,10 +104,6 @@ impl Circuit {
                 return false;
             }
         }
-        let lost = astray >= LOST
-            || rounds >= IN_VAIN
-            || round_a_thing >= ROUND_A_THING
-            || alike(&self.trail) >= ALIKE;
         let too_long = now.travelled - first.travelled > LONGEST_LAP;
         if lost && self.begun_anew < MOST_BEGINNINGS {
             let begun = tracker.path().first().map_or(first.pose, |point| point.pose);
@@ -102,6 +111,32 @@ impl Circuit {
             return false;
         }
         lost || too_long
+    }
+
+    /// Whether a robot that goes round a thing is on its way back to what it followed: it is when the gap that led
+    /// it off to that is closed to it from here on, or was within the last round. It has `travelled` so far, and
+    /// was where it is now for the first time when it had travelled `earliest` metres.
+    fn is_led_back(&mut self, travelled: f64, earliest: f64) -> bool {
+        if goes_round(&self.trail, self.follower.side(), |_| true) < ROUND_A_THING {
+            return false;
+        }
+        let visits = visited(&self.trail, |_| true);
+        let Some(round) = visits.get(1).map(|before| before.travelled) else { return false };
+        let led_back = |closed: f64| travelled - closed < LED_BACK * (travelled - round);
+        if let Some(closed) = self.parted.filter(|closed| *closed > earliest) {
+            return led_back(closed);
+        }
+        // What it squeezed through meanwhile, to get out of a pocket, is more than this gap.
+        if self.squeezed.is_some_and(|squeezed| squeezed > earliest) {
+            return false;
+        }
+        let seen = self.wall.log().iter();
+        let gap = strait::passed(&self.trail, (earliest, round), seen, self.passable + LED_OFF);
+        let Some((thing, other)) = gap else { return false };
+        self.parted = Some(travelled);
+        self.pocket = Some(Pocket::after(self.pocket, earliest, travelled));
+        self.follower.close(thing, other);
+        true
     }
 
     /// Since which reading of the odometer, metres, a robot that has `travelled` so far goes round and round in a
@@ -148,6 +183,8 @@ impl Circuit {
         self.trail.clear();
         self.drifts.begin_anew();
         self.previous = None;
+        self.parted = None;
+        self.squeezed = None;
         self.pocket = None;
         self.squeezing = None;
         self.follower.squeeze(false);

@@ -46,7 +46,7 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Print one frame of the console; needs no terminal
     Snapshot(SnapshotArgs),
-    /// Write one result of a finished run in a given format
+    /// Write one result of a run, over or under way, in a given format
     Export(ExportArgs),
     /// Say what is wrong with world files and keymaps, and where
     Check(CheckArgs),
@@ -197,7 +197,7 @@ pub enum FrameFormat {
 /// Arguments of `export`.
 #[derive(Debug, Clone, Args)]
 pub struct ExportArgs {
-    /// Folder of a finished run
+    /// Folder of the run; while that is under way the map is made from its record so far
     #[arg(value_name = "DIR")]
     pub dir: PathBuf,
     /// What to write

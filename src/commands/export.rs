@@ -1,4 +1,5 @@
-//! `periplus export`: hands over one result of a finished run under another name.
+//! `periplus export`: hands over one result of a run under another name; of one under way as
+//! well, made from its record.
 
 use super::{CommandError, output};
 use crate::cli::{ExportArgs, ExportFormat};
@@ -154,7 +155,7 @@ fn is_json(bytes: &[u8]) -> bool {
 /// What to do about a result that is not there or not whole.
 fn why_missing(dir: &Path) -> String {
     if !dir.join("journal").exists() {
-        return "name the --out folder of a finished run".to_owned();
+        return "name the --out folder of a run".to_owned();
     }
     match crate::journal::read(dir) {
         Ok(_) => "remove it, and it is made again from the record of the run".to_owned(),

@@ -248,7 +248,8 @@ impl Driver for LiveDriver {
     }
 
     fn export(&mut self, _dir: &Path) -> Result<String, String> {
-        Err("the map is written when the console is left".to_owned())
+        let now = "in another shell `periplus export` makes it now";
+        Err(format!("the map is written on leaving; {now}"))
     }
 }
 

@@ -155,7 +155,7 @@ fn is_json(bytes: &[u8]) -> bool {
 /// What to do about a result that is not there or not whole.
 fn why_missing(dir: &Path) -> String {
     if !dir.join("journal").exists() {
-        return "name the --out folder of a run".to_owned();
+        return "name the --out folder of a finished run".to_owned();
     }
     match crate::journal::read(dir) {
         Ok(_) => "remove it, and it is made again from the record of the run".to_owned(),

@@ -81,8 +81,9 @@ pub(crate) struct Sample {
 /// been made.
 #[must_use]
 pub fn fit(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<Ring> {
-    let ring = fitted(contacts, reach, give, loops).map(Ring::counter_clockwise);
-    ring.filter(|ring| holds(ring, contacts, reach))
+    let ordered = order::along_wall(contacts, reach);
+    let ring = fitted(&ordered, reach, give, loops).map(Ring::counter_clockwise);
+    ring.filter(|ring| holds(ring, contacts, &ordered, reach))
 }
 
 /// The same, of contacts that are joined where no fit can be made of them.
@@ -93,13 +94,12 @@ pub fn outline(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Res
     fit(contacts, reach, give, loops).map_or_else(|| joined(contacts, reach), Ok)
 }
 
-/// Whether the robot was within `ring` when it made the `contacts`, but for those in pockets that the
-/// outline leaves out, and those in the mouths of gaps too narrow to pass, across which it runs, and out of which
-/// the robot came again: a lap that has laid two walls through each other can be untangled into a simple outline
+/// Whether the robot was within `ring` when it made the `contacts`, given as well as they are `ordered` along the
+/// wall, but for those in pockets that the outline leaves out, and those in the mouths of gaps too narrow to pass,
+/// across which it runs, and out of which the robot came again: a lap that has laid two walls through each other can be untangled into a simple outline
 /// of another room.
-fn holds(ring: &Ring, contacts: &[Contact], reach: f64) -> bool {
-    let outlined = order::along_wall(contacts, reach);
-    let touched: Vec<(Point, Point)> = outlined.iter().map(|c| (c.point, c.from)).collect();
+fn holds(ring: &Ring, contacts: &[Contact], ordered: &[Contact], reach: f64) -> bool {
+    let touched: Vec<(Point, Point)> = ordered.iter().map(|c| (c.point, c.from)).collect();
     let gaps = SHORTEST..WIDEST_MOUTH * reach;
     let way: Vec<Segment> = legs(contacts).collect();
     let came_out = |piece: &Piece| {
@@ -115,7 +115,7 @@ fn holds(ring: &Ring, contacts: &[Contact], reach: f64) -> bool {
         })
     };
     let held = |contact: &&Contact| ring.contains(contact.from) || in_mouth(contact.from);
-    outlined.iter().filter(held).count() as f64 >= WITHIN * outlined.len() as f64
+    ordered.iter().filter(held).count() as f64 >= WITHIN * ordered.len() as f64
 }
 
 /// The way between the places from which `contacts`, in time order, were made.
@@ -129,7 +129,8 @@ fn legs(contacts: &[Contact]) -> impl Iterator<Item = Segment> + use<'_> {
 /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
 pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
     let ring = chain::outline(contacts, reach).map(Ring::counter_clockwise);
-    ring.filter(|ring| holds(ring, contacts, reach)).ok_or(Failure::OutlineBroken)
+    let ordered = order::along_wall(contacts, reach);
+    ring.filter(|ring| holds(ring, contacts, &ordered, reach)).ok_or(Failure::OutlineBroken)
 }
 
 /// `outline` without the crossings that corrections of its corners may have made; as it is where they
@@ -145,10 +146,9 @@ pub fn uncrossed(outline: &Ring) -> Option<Ring> {
     assemble::simple(outline)
 }
 
-/// The outline with the floor on the left; none when there is no simple one.
-fn fitted(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<Ring> {
-    let ordered = order::along_wall(contacts, reach);
-    let mut samples = samples(&ordered, LEAST_SIGMA);
+/// The outline with the floor on the left, of contacts `ordered` along the wall; none when there is no simple one.
+fn fitted(ordered: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<Ring> {
+    let mut samples = samples(ordered, LEAST_SIGMA);
     if samples.len() < 4 {
         return None;
     }

@@ -47,7 +47,8 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         return (chain(contacts), ObjectClass::Open);
     }
     // The floor lies outside: the fitted ring runs clockwise round the solid.
-    let fitted = super::fitted(contacts, REACH, 0.0, Loops::All).map(Ring::counter_clockwise);
+    let ordered = order::along_wall(contacts, REACH);
+    let fitted = super::fitted(&ordered, REACH, 0.0, Loops::All).map(Ring::counter_clockwise);
     let is_sound = |ring: &&Ring| share_on(ring, contacts) >= NEARLY_ALL;
     let fit = fitted.as_ref().filter(is_sound);
     let spread = fit.map_or(f64::INFINITY, |ring| spread(ring, contacts));

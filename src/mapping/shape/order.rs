@@ -119,6 +119,11 @@ impl Lifted {
         let opposite = (-self.side.dot(&other.side) - SIDE * SIDE / 2.0).max(0.0);
         (planar + opposite).sqrt()
     }
+
+    /// Whether the two are surely `limit` or more apart: in the plane alone, which is told without a root.
+    fn is_beyond(&self, other: &Self, limit: f64) -> bool {
+        (self.point - other.point).norm_squared() >= limit * limit
+    }
 }
 
 /// Shortens the way through the contacts by reversing and moving short stretches; the ends stay. No such way
@@ -154,6 +159,9 @@ fn reverse_stretches(order: &mut [usize], lifted: &[Lifted], window: usize) -> b
     for i in 0..order.len().saturating_sub(3) {
         let before = distance(order[i], order[i + 1]);
         for k in i + 2..(i + REVERSED.min(window)).min(order.len() - 1) {
+            if lifted[order[i]].is_beyond(&lifted[order[k]], before) {
+                continue;
+            }
             let joined = distance(order[i], order[k]);
             if joined >= before {
                 continue;
@@ -200,6 +208,10 @@ fn move_stretch(
     let mut best = (gain - 1e-7, None);
     for k in (low..at - 1).chain(at + length..high) {
         let (left, right) = (order[k], order[k + 1]);
+        let is_beyond = |end: usize| lifted[left].is_beyond(&lifted[end], best.0);
+        if is_beyond(head) && is_beyond(tail) {
+            continue;
+        }
         let to_head = distance(left, head);
         let to_tail = distance(left, tail);
         if to_head >= best.0 && to_tail >= best.0 {

@@ -46,23 +46,6 @@ pub(super) fn passed<'a>(
 mod tests {
     use super::*;
     use crate::geometry::{Pose, angle};
-    use crate::mapping::map::ContactKind;
-
-    fn seen(x: f64, y: f64, travelled: f64) -> Sighting {
-        Sighting {
-            point: Point::new(x, y),
-            pose: Pose::new(x, y, 0.0),
-            beam: 0.0,
-            kind: ContactKind::Range,
-            sensor: Some(2),
-            rising: true,
-            swept: 0.0,
-            travelled,
-            time_us: 0,
-            alive: true,
-            ruled_out: 0,
-        }
-    }
 
     /// Two rounds about a column of 0.2 m radius at the origin, 0.35 m from its middle, after 5 m along a wall.
     fn trail() -> Vec<Anchor> {
@@ -80,8 +63,8 @@ mod tests {
     fn the_gap_is_where_the_round_comes_by_what_was_there_before() {
         let round = 5.0 + 0.35 * angle::TAU;
         let column = (0..40).map(|k| angle::unit(f64::from(k) * angle::TAU / 40.0) * 0.2);
-        let column = column.map(|at| seen(at.x, at.y, round + 0.1));
-        let wall = (0..9).map(|k| seen(0.4 - 0.1 * f64::from(k), -0.53, 1.0));
+        let column = column.map(|at| Sighting::at(at.x, at.y, round + 0.1));
+        let wall = (0..9).map(|k| Sighting::at(0.4 - 0.1 * f64::from(k), -0.53, 1.0));
         let all: Vec<Sighting> = column.chain(wall).collect();
         let (one, other) = passed(&trail(), (5.0, round), all.iter(), 0.4).expect("a gap");
         assert!((one - Point::new(0.0, -0.2)).norm() < 1e-9, "{one}");
@@ -93,7 +76,7 @@ mod tests {
     fn what_the_robot_did_not_come_between_is_no_gap() {
         let round = 5.0 + 0.35 * angle::TAU;
         // Both are on the column; the earlier one was seen before the robot first came round it.
-        let all = [seen(0.0, -0.2, round + 0.1), seen(0.05, -0.19, 1.0)];
+        let all = [Sighting::at(0.0, -0.2, round + 0.1), Sighting::at(0.05, -0.19, 1.0)];
         assert_eq!(passed(&trail(), (5.0, round), all.iter(), 0.4), None);
     }
 }

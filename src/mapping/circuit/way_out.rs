@@ -118,7 +118,6 @@ fn narrowest<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mapping::map::ContactKind;
     use crate::robot::{DoneReason, SwitchSet};
 
     fn place(x: f64, y: f64, heading: f64, travelled: f64) -> Anchor {
@@ -126,19 +125,7 @@ mod tests {
     }
 
     fn seen(x: f64, y: f64) -> Sighting {
-        Sighting {
-            point: Point::new(x, y),
-            pose: Pose::new(x, y, 0.0),
-            beam: 0.0,
-            kind: ContactKind::Range,
-            sensor: Some(2),
-            rising: true,
-            swept: 0.0,
-            travelled: 0.0,
-            time_us: 0,
-            alive: true,
-            ruled_out: 0,
-        }
+        Sighting::at(x, y, 0.0)
     }
 
     /// A metre along the x axis through a gap at x = 0.7, and round and round about (1.2, 0) behind it.

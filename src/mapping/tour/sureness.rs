@@ -82,24 +82,10 @@ impl Sureness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Pose};
-    use crate::mapping::map::ContactKind;
 
     /// A contact of a beam in this direction, degrees, at this time.
     fn seen(beam: f64, time_us: u64) -> Sighting {
-        Sighting {
-            point: Point::origin(),
-            pose: Pose::new(0.0, 0.0, 0.0),
-            beam: beam.to_radians(),
-            kind: ContactKind::Range,
-            sensor: Some(0),
-            rising: true,
-            swept: 0.0,
-            travelled: 0.0,
-            time_us,
-            alive: true,
-            ruled_out: 0,
-        }
+        Sighting { beam: beam.to_radians(), time_us, ..Sighting::at(0.0, 0.0, 0.0) }
     }
 
     #[test]

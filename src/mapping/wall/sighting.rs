@@ -91,3 +91,23 @@ impl Sighting {
         }
     }
 }
+
+#[cfg(test)]
+impl Sighting {
+    /// For tests: a surface at (`x`, `y`) that a switch closed on, from there, after `travelled` metres.
+    pub(in crate::mapping) fn at(x: f64, y: f64, travelled: f64) -> Self {
+        Self {
+            point: Point::new(x, y),
+            pose: Pose::new(x, y, 0.0),
+            beam: 0.0,
+            kind: ContactKind::Range,
+            sensor: Some(2),
+            rising: true,
+            swept: 0.0,
+            travelled,
+            time_us: 0,
+            alive: true,
+            ruled_out: 0,
+        }
+    }
+}

@@ -13,7 +13,7 @@ mod astray;
 mod candidate;
 mod closure;
 mod crossing;
-mod strait;
+mod led_off;
 mod way_out;
 
 pub use closure::{Anchor, Closure, Pocket};

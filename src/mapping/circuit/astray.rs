@@ -3,7 +3,7 @@
 //! or goes round a thing that it took for wall. The lap would never close as it began.
 
 use super::way_out::WayOut;
-use super::{Anchor, Circuit, Closure, Pocket, strait};
+use super::{Anchor, Circuit, Closure, Pocket, led_off};
 use crate::geometry::{Point, Ring, angle};
 use crate::mapping::follow::{Ask, AtRest, Side};
 use crate::mapping::odometry::Tracker;
@@ -131,7 +131,7 @@ impl Circuit {
             return false;
         }
         let seen = self.wall.log().iter();
-        let gap = strait::passed(&self.trail, (earliest, round), seen, self.passable + LED_OFF);
+        let gap = led_off::gap(&self.trail, (earliest, round), seen, self.passable + LED_OFF);
         let Some((thing, other)) = gap else { return false };
         self.parted = Some(travelled);
         self.pocket = Some(Pocket::after(self.pocket, earliest, travelled));

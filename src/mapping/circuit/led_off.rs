@@ -16,7 +16,7 @@ const BESIDE: f64 = 0.75;
 ///
 /// `trail` ends with a whole round, since it had travelled `round` metres; it came to the thing when it had
 /// travelled `came`.
-pub(super) fn passed<'a>(
+pub(super) fn gap<'a>(
     trail: &[Anchor],
     (came, round): (f64, f64),
     seen: impl Iterator<Item = &'a Sighting> + Clone,
@@ -35,10 +35,10 @@ pub(super) fn passed<'a>(
     };
     let (thing, others) = (of(&|travelled| travelled > round), of(&|travelled| travelled < came));
     let pairs = thing.iter().flat_map(|a| others.iter().map(move |b| Segment::new(*a, *b)));
-    let passed = pairs
+    let between = pairs
         .filter(|across| across.length() < width)
         .filter(|across| steps.iter().any(|step| step.crosses(across)));
-    let narrowest = passed.min_by(|a, b| a.length().total_cmp(&b.length()))?;
+    let narrowest = between.min_by(|a, b| a.length().total_cmp(&b.length()))?;
     Some((narrowest.from, narrowest.to()))
 }
 
@@ -66,10 +66,10 @@ mod tests {
         let column = column.map(|at| Sighting::at(at.x, at.y, round + 0.1));
         let wall = (0..9).map(|k| Sighting::at(0.4 - 0.1 * f64::from(k), -0.53, 1.0));
         let all: Vec<Sighting> = column.chain(wall).collect();
-        let (one, other) = passed(&trail(), (5.0, round), all.iter(), 0.4).expect("a gap");
+        let (one, other) = gap(&trail(), (5.0, round), all.iter(), 0.4).expect("a gap");
         assert!((one - Point::new(0.0, -0.2)).norm() < 1e-9, "{one}");
         assert!((other - Point::new(0.0, -0.53)).norm() < 1e-9, "{other}");
-        assert_eq!(passed(&trail(), (5.0, round), all.iter(), 0.3), None, "it is 0.33 m wide");
+        assert_eq!(gap(&trail(), (5.0, round), all.iter(), 0.3), None, "it is 0.33 m wide");
     }
 
     #[test]
@@ -77,6 +77,6 @@ mod tests {
         let round = 5.0 + 0.35 * angle::TAU;
         // Both are on the column; the earlier one was seen before the robot first came round it.
         let all = [Sighting::at(0.0, -0.2, round + 0.1), Sighting::at(0.05, -0.19, 1.0)];
-        assert_eq!(passed(&trail(), (5.0, round), all.iter(), 0.4), None);
+        assert_eq!(gap(&trail(), (5.0, round), all.iter(), 0.4), None);
     }
 }

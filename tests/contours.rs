@@ -7,6 +7,7 @@ mod common;
 use periplus::geometry::{Point, Ring, ring};
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::{Contour, Settings};
+use periplus::robot::Intent;
 use periplus::simulator::{NoiseProfile, World};
 
 const ROOM: &str = r#"
@@ -46,4 +47,34 @@ fn both_contours_find_every_object() {
             assert!((0.93..1.07).contains(&share), "{contour:?}: {} is {share}", object.name);
         }
     }
+}
+
+const SMALL: &str = r#"
+name = "two small boxes"
+start = { x = -0.011, y = -0.735, heading = 264 }
+[boundary]
+vertices = [[-0.0092, 1.8909], [-0.3033, 1.2094], [-2.5447, 1.2283], [-1.3228, -1.7509], [-0.7002, -1.3706], [0.1512, -2.5314], [1.0789, -1.2538], [1.3581, -1.1472]]
+[[objects]]
+name = "one box"
+vertices = [[-1.5188, -0.2645], [-1.4938, -0.4187], [-1.3395, -0.3937], [-1.3645, -0.2394]]
+[[objects]]
+name = "another box"
+vertices = [[-1.4257, -0.8384], [-1.4007, -0.9926], [-1.2464, -0.9676], [-1.2714, -0.8134]]
+"#;
+
+#[test]
+fn round_what_is_too_small_to_be_passed_the_robot_goes_once() {
+    // A line that meets a small thing beside its middle is crossed again hardly any farther on. Before, the robot
+    // went round and round for 30 m each time, and in a room with chairs it never came to an end.
+    let world = World::from_toml(SMALL, "room", 0.1).expect("a world");
+    let settings = Settings { contour: Contour::TwoPass, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::None);
+    run.intent(Intent::Run);
+    while run.is_under_way() {
+        run.advance();
+    }
+    let session = run.session();
+    assert_eq!(session.mission().map_now().objects.len(), world.objects.len());
+    let travel = session.progress()[3].travel;
+    assert!(travel < 50.0, "{travel} m among the objects; of the plan there are 23");
 }

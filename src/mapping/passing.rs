@@ -8,13 +8,16 @@ use super::event::Failure;
 use super::follow::{AtRest, Follower, Side};
 use super::odometry::Tracker;
 use super::wall::Wall;
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, angle};
 use crate::robot::Chassis;
 
 /// The robot must be this far beyond where it left the line to join it again, metres.
 const BEYOND: f64 = 0.10;
-/// Longer ways round are given up, metres.
+/// Longer ways round are given up, metres, ...
 const LONGEST: f64 = 30.0;
+/// ... and those on which the robot has turned so far, radians: it has been all the way round a thing so small that
+/// it is never that far beyond.
+const ALL_ROUND: f64 = 1.25 * angle::TAU;
 
 /// A way round under way.
 #[derive(Debug, Clone)]
@@ -25,6 +28,8 @@ pub struct Passing {
     line: Pose,
     left_at: f64,
     begun: f64,
+    /// Heading when it began, radians, whole turns counted.
+    faced: f64,
     previous: Option<Point>,
 }
 
@@ -47,6 +52,7 @@ impl Passing {
             line,
             left_at: line.to_local(tracker.pose().position).x,
             begun: tracker.travelled(),
+            faced: tracker.cumulative_heading(),
             previous: None,
         }
     }
@@ -72,7 +78,8 @@ impl Passing {
         let came_round = way > 0.8
             && here.x < self.left_at - 0.03
             && self.previous.is_some_and(|before| before.y * here.y < 0.0);
-        if self.follower.is_stuck() || way > LONGEST || came_round {
+        let all_round = (tracker.cumulative_heading() - self.faced).abs() > ALL_ROUND;
+        if self.follower.is_stuck() || way > LONGEST || came_round || all_round {
             return Way::Leg(Leg::Failed(Failure::WallLost));
         }
         match self.follower.next(&mut self.wall, rest) {

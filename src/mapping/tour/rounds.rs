@@ -74,8 +74,8 @@ impl Tour {
             self.reverse(&mut round, scene);
         }
         if self.recognise(&mut round, scene) {
-            self.resume(round.drive);
-            return None;
+            // Met again and again, it is not passed on this line.
+            return self.go_on(round.drive, scene);
         }
         match round.circuit.next(scene.tracker, &scene.rest) {
             Leg::Go(ask) => {

@@ -74,7 +74,7 @@ pub struct Circuit {
     trail: Vec<Anchor>,
     /// Odometer when the robot began to squeeze through gaps that it would not enter, to get out again.
     squeezing: Option<f64>,
-    /// The same where it has got out since.
+    /// When it last began to, whether it has got out since or not.
     squeezed: Option<f64>,
     /// The rounds that were driven in vain before that.
     pocket: Option<Pocket>,

@@ -96,8 +96,8 @@ pub fn outline(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Res
 
 /// Whether the robot was within `ring` when it made the `contacts`, given as well as they are `ordered` along the
 /// wall, but for those in pockets that the outline leaves out, and those in the mouths of gaps too narrow to pass,
-/// across which it runs, and out of which the robot came again: a lap that has laid two walls through each other can be untangled into a simple outline
-/// of another room.
+/// across which it runs, and out of which the robot came again: a lap that has laid two walls through each other
+/// can be untangled into a simple outline of another room.
 fn holds(ring: &Ring, contacts: &[Contact], ordered: &[Contact], reach: f64) -> bool {
     let touched: Vec<(Point, Point)> = ordered.iter().map(|c| (c.point, c.from)).collect();
     let gaps = SHORTEST..WIDEST_MOUTH * reach;

@@ -80,18 +80,7 @@ fn stepped(piece: &Piece) -> Vec<Piece> {
     }
     let count = (piece.length() / PACE).ceil().max(1.0) as u32;
     let at = |k: u32| f64::from(k) / f64::from(count);
-    (0..count).map(|k| stretch(piece, at(k), at(k + 1))).collect()
-}
-
-/// The stretch of `piece` between two shares of its length.
-fn stretch(piece: &Piece, from: f64, to: f64) -> Piece {
-    match *piece {
-        Piece::Line { .. } => Piece::Line { from: piece.at(from), to: piece.at(to) },
-        Piece::Arc { center, radius, start, sweep } => {
-            let start = angle::wrap(start + sweep * from);
-            Piece::Arc { center, radius, start, sweep: sweep * (to - from) }
-        }
-    }
+    (0..count).map(|k| piece.part(at(k), at(k + 1))).collect()
 }
 
 /// The ways across the floor, shorter than `most`, from every corner to what it faces.
@@ -129,7 +118,7 @@ fn split(outline: &Ring, chord: &Chord) -> (Ring, Ring) {
     };
     let (corner, foot) = (pieces[chord.from].from(), pieces[chord.to].at(chord.t));
     let (before, after) =
-        (stretch(&pieces[chord.to], 0.0, chord.t), stretch(&pieces[chord.to], chord.t, 1.0));
+        (pieces[chord.to].part(0.0, chord.t), pieces[chord.to].part(chord.t, 1.0));
     let line = |from, to| Piece::Line { from, to };
     let long = |piece: &Piece| piece.length() > END;
     let left = run(chord.from, chord.to).chain([before]).filter(long).chain([line(foot, corner)]);

@@ -60,7 +60,8 @@ const LONGEST_LAP: f64 = 2000.0;
 
 impl Circuit {
     /// Whether the lap will not close any more. In a pocket, away from its beginning, the robot first
-    /// tries to get out by squeezing through what it would not have entered.
+    /// tries to get out by squeezing through what it would not have entered; off a thing that it was led to, it
+    /// is led back first.
     pub(super) fn is_endless(&mut self, tracker: &Tracker) -> bool {
         let (Some(now), Some(first)) = (self.previous, self.anchors.first().copied()) else {
             return false;
@@ -73,7 +74,7 @@ impl Circuit {
             || rounds >= IN_VAIN
             || round_a_thing >= ROUND_A_THING
             || alike(&self.trail) >= ALIKE;
-        if lost && self.is_led_back(now.travelled, first_time) {
+        if lost && self.is_led_back() {
             return false;
         }
         let out = |since: f64| astray == 0 && now.travelled - since > OUT;
@@ -114,27 +115,26 @@ impl Circuit {
     }
 
     /// Whether a robot that goes round a thing is on its way back to what it followed: it is when the gap that led
-    /// it off to that is closed to it from here on, or was within the last round. It has `travelled` so far, and
-    /// was where it is now for the first time when it had travelled `earliest` metres.
-    fn is_led_back(&mut self, travelled: f64, earliest: f64) -> bool {
+    /// it off to that is closed to it from here on, or was within the last round.
+    fn is_led_back(&mut self) -> bool {
         if goes_round(&self.trail, self.follower.side(), |_| true) < ROUND_A_THING {
             return false;
         }
-        let visits = visited(&self.trail, |_| true);
-        let Some(round) = visits.get(1).map(|before| before.travelled) else { return false };
-        let led_back = |closed: f64| travelled - closed < LED_BACK * (travelled - round);
-        if let Some(closed) = self.parted.filter(|closed| *closed > earliest) {
-            return led_back(closed);
+        let visits: Vec<f64> =
+            visited(&self.trail, |_| true).iter().map(|here| here.travelled).collect();
+        let &[now, round, .., came] = visits.as_slice() else { return false };
+        if let Some(closed) = self.parted.filter(|closed| *closed > came) {
+            return now - closed < LED_BACK * (now - round);
         }
         // What it squeezed through meanwhile, to get out of a pocket, is more than this gap.
-        if self.squeezed.is_some_and(|squeezed| squeezed > earliest) {
+        if self.squeezed.is_some_and(|squeezed| squeezed > came) {
             return false;
         }
         let seen = self.wall.log().iter();
-        let gap = led_off::gap(&self.trail, (earliest, round), seen, self.passable + LED_OFF);
+        let gap = led_off::gap(&self.trail, (came, round), seen, self.passable + LED_OFF);
         let Some((thing, other)) = gap else { return false };
-        self.parted = Some(travelled);
-        self.pocket = Some(Pocket::after(self.pocket, earliest, travelled));
+        self.parted = Some(now);
+        self.pocket = Some(Pocket::after(self.pocket, came, now));
         self.follower.close(thing, other);
         true
     }

@@ -248,8 +248,8 @@ impl Driver for LiveDriver {
     }
 
     fn export(&mut self, _dir: &Path) -> Result<String, String> {
-        let now = "in another shell `periplus export` makes it now";
-        Err(format!("the map is written on leaving; {now}"))
+        let how = "the map is written on leaving; in another shell `periplus export` makes it now";
+        Err(how.to_owned())
     }
 }
 

@@ -1,7 +1,8 @@
 //! Driving round something known, back to the line that it stands on (paper III.F).
 //!
 //! The robot follows the outline on one hand until it crosses its line beyond the place where it
-//! left it. Used for known objects in the search for the boundary and for the two-pass contour.
+//! left it; a way that leads all round the thing, or farther than any, it gives up. Used for known objects
+//! in the search for the boundary and for the two-pass contour. What comes of a way is for those to say.
 
 use super::circuit::Leg;
 use super::event::Failure;

@@ -22,6 +22,9 @@ pub(super) const ARC_SPAN: f64 = 25.0 * angle::PI / 180.0;
 const WIDEST_GAP: f64 = 0.65;
 /// ... and along a round one no farther than this share of its radius.
 pub(super) const WIDEST_ON_ARC: f64 = 0.5;
+/// ... and where it looked and saw nothing new, the end of a straight wall is no farther off than this,
+/// metres.
+const UNSEEN: f64 = 1.0;
 /// Contacts that stand out of an otherwise straight wall, and are taken for mistaken ones, are no more
 /// than this many ...
 const MOST_MISTAKEN: usize = 2;
@@ -247,9 +250,10 @@ fn pass_over(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
     over.is_some()
 }
 
-/// Drops a contact or two between the two walls of a corner that lie too near to one of them, or to either
-/// and to each other, to be a wall of their own: chance put them off by more than it mostly does. False
-/// when there are no more such.
+/// Takes a contact or two between the two walls of a corner for parts of these that lie too near to one of
+/// them, or to either and to each other, to be a wall of their own: chance put them off by more than it mostly
+/// does, or the robot looked once too seldom. What is of one wall and near its end is the end of it from then
+/// on, the rest is dropped. False when there are no more such.
 fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
     let count = runs.len();
     // What is left is a ring: three walls, or an arc and one more.
@@ -257,8 +261,12 @@ fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> b
     if count < if round { 3 } else { 4 } {
         return false;
     }
+    let beside = |k: usize| ((k + count - 1) % count, (k + 1) % count);
+    let is_of = |run: &Run, sample: &Sample| run.distance(sample.point) < BY_CHANCE * sigma;
+    let all_of = |run: &Run, odd: &Run| samples[odd.first..=odd.last].iter().all(|s| is_of(run, s));
     let found = (0..count).find(|&k| {
-        let (a, odd, b) = (&runs[(k + count - 1) % count], &runs[k], &runs[(k + 1) % count]);
+        let (before, after) = beside(k);
+        let (a, odd, b) = (&runs[before], &runs[k], &runs[after]);
         let (Some(u), Some(v)) =
             (heading(&a.model, samples[a.last].point), heading(&b.model, samples[b.first].point))
         else {
@@ -269,16 +277,25 @@ fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> b
         // The end of a thin wall has no more contacts than that, and is no mistake.
         let thin = u.dot(&v) < -0.8;
         let length = (samples[odd.last].point - samples[odd.first].point).norm();
-        let odd = &samples[odd.first..=odd.last];
-        let is_of = |run: &Run, sample: &Sample| run.distance(sample.point) < BY_CHANCE * sigma;
-        let of_one = [a, b].iter().any(|run| odd.iter().all(|sample| is_of(run, sample)));
-        let of_either = odd.iter().all(|sample| is_of(a, sample) || is_of(b, sample));
+        let of_one = all_of(a, odd) || all_of(b, odd);
+        let of_either =
+            samples[odd.first..=odd.last].iter().all(|sample| is_of(a, sample) || is_of(b, sample));
         few && !thin && long(a) && long(b) && (of_one || (of_either && length < NO_WALL * sigma))
     });
-    if let Some(k) = found {
-        runs.remove(k);
+    let Some(k) = found else { return false };
+    let (odd, (before, after)) = (runs[k], beside(k));
+    let off = |j: usize, end: usize| (samples[j].point - samples[end].point).norm();
+    // The seam lies within no run.
+    if after > k && all_of(&runs[after], &odd) && off(odd.last, runs[after].first) < UNSEEN {
+        runs[after].first = odd.first;
+    } else if before < k
+        && all_of(&runs[before], &odd)
+        && off(odd.first, runs[before].last) < UNSEEN
+    {
+        runs[before].last = odd.last;
     }
-    found.is_some()
+    runs.remove(k);
+    true
 }
 
 fn merge_over_seam(samples: &mut [Sample], runs: &mut Vec<Run>, sigma: f64) {

@@ -43,3 +43,16 @@ fn a_corner_that_is_cut_off_is_a_wall() {
     let found = runs(&mut with(&[(1.96, 1.94), (1.95, 1.95), (1.94, 1.96)]), SIGMA);
     assert_eq!(found.len(), 5, "{found:?}");
 }
+
+#[test]
+fn the_end_of_a_wall_that_was_looked_at_too_seldom_is_of_the_wall() {
+    // Of the third wall nothing was seen for 0.72 m between a look into the corner and the next.
+    let mut samples = square();
+    let third = 2 * 19;
+    let seen = [(1.92, 2.0), (1.82, 2.001)].map(|(x, y)| sample(Point::new(x, y)));
+    samples.splice(third..third + 9, seen);
+    let found = runs(&mut samples, SIGMA);
+    assert_eq!(found.len(), 4, "{found:?}");
+    let mut begins = found.iter().map(|run| samples[run.first].point);
+    assert!(begins.any(|p| p == Point::new(1.92, 2.0)), "{found:?}");
+}

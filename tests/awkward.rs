@@ -276,7 +276,8 @@ fn an_island_gone_along_from_gap_to_gap_is_on_the_map() {
     for (gap, start, all_round) in [
         (0.27, "{ x = 3.5, y = 0.5, heading = 90 }", true),
         (0.28, "{ x = 3.5, y = 0.5, heading = 90 }", true),
-        (0.28, "{ x = 3.4, y = 2.4, heading = 180 }", false),
+        (0.28, "{ x = 3.4, y = 2.4, heading = 180 }", true),
+        (0.28, "{ x = 3.3, y = 0.4, heading = 90 }", false),
         (0.27, "{ x = 0.5, y = 0.5, heading = 0 }", false),
     ] {
         let text = island(gap, start);

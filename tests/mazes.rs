@@ -129,8 +129,10 @@ fn no_corridor_is_lost_where_the_faces_of_a_board_changed_places() {
 fn corridors_side_by_side_are_no_rounds_in_a_pocket() {
     // By then the robot believes itself to be where it was in the next corridor, one board farther.
     let (world, floor) = maze(NINE, 0.45, 0.03);
+    // What worn wheels misjudge all lengths by is as much floor as two cells: a tape takes it out.
+    let tape = ["--tape", "0.015,0.015:4.035,0.015=4.02"];
     for seed in [1, 9] {
-        let (area, _) = reported::bounded(&world, "harsh", seed);
+        let (area, _) = reported::bounded_by(&world, "harsh", seed, &tape);
         assert!((area / floor - 1.0).abs() < 0.03, "seed {seed}: {area} m2 of {floor}");
     }
 }

@@ -11,6 +11,7 @@ mod hearing;
 mod idle;
 mod phases;
 mod place;
+mod taping;
 mod whole;
 mod wishes;
 

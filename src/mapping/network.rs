@@ -38,11 +38,16 @@ use surface::Surfaces;
 
 /// A contact is of a surface that is no farther off than this, metres: one adjustment after the other.
 pub const WITHIN: [f64; 4] = [0.12, 0.06, CLOSE, CLOSE];
+/// The same when the lap alone is driven: its contacts made the outline, and are not far off it.
+pub const WITHIN_LAP: [f64; 2] = [0.06, CLOSE];
 /// What lies on a surface is no farther off than this, metres.
 const CLOSE: f64 = 0.03;
 /// Readings on the way are so far apart that each is rounded to ticks by itself, metres.
 const APART: f64 = 0.005;
-/// Least squares are repeated so often: the equations are linear but for small turns.
+/// Least squares are repeated so often: the equations are linear but for small turns. From afar, where what
+/// comes after puts it right, ...
+const ROUNDS_FROM_AFAR: usize = 2;
+/// ... and close by.
 const ROUNDS: usize = 3;
 /// With fewer contacts on mapped surfaces nothing is adjusted.
 const FEWEST: usize = 20;
@@ -92,7 +97,8 @@ pub struct Given<'a> {
     pub bias: f64,
     /// For how many seconds the robot stood still, and what the gyro turned meanwhile, radians.
     pub held: (f64, f64),
-    /// How far from a surface what was seen of it may seem to be, metres: one of [`WITHIN`].
+    /// How far from a surface what was seen of it may seem to be, metres: one of [`WITHIN`] or
+    /// [`WITHIN_LAP`].
     pub within: f64,
     /// Whether it is asked as well what the errors of all of it have in common.
     pub datum: bool,
@@ -102,6 +108,9 @@ pub struct Given<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Moved {
     time_us: u64,
+    /// For how long it was under way there, microseconds: however long it stood before, it set out that long
+    /// ago.
+    way_us: u64,
     before: Pose,
     after: Pose,
 }
@@ -176,7 +185,8 @@ impl Network {
         let robot = Robot::new(given, self.start);
         let mut surfaces = Surfaces::of(given, &glances, &poses);
         let mut unknowns = Unknowns::new(rests, &before, given.bias, given.beams.len());
-        for round in 0..ROUNDS {
+        let afar = given.within > CLOSE;
+        for round in 0..if afar { ROUNDS_FROM_AFAR } else { ROUNDS } {
             let rough = round == 0;
             surfaces.look_through();
             let (change, border) = robot.equations(&read, &unknowns, &surfaces, rough).solve()?;
@@ -190,7 +200,7 @@ impl Network {
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
         let agreed = used as f64 >= LEAST_SHARE * seen as f64;
-        let worst = if given.within > CLOSE { WORST_FROM_AFAR } else { WORST_FIT };
+        let worst = if afar { WORST_FROM_AFAR } else { WORST_FIT };
         if used < FEWEST || !agreed || misfit > worst || !sane {
             return None;
         }
@@ -198,13 +208,16 @@ impl Network {
             let pose = glance.reading.share(rests)?.among(&after);
             Some(((glance.reading.time_us, glance.sensor), pose))
         };
-        let moved = |(rest, (before, after)): (&Rest, (&Pose, &Pose))| Moved {
-            time_us: rest.reading.time_us,
-            before: *before,
-            after: *after,
+        let moved = |k: usize| Moved {
+            time_us: rests[k].reading.time_us,
+            way_us: k.checked_sub(1).map_or(0, |last| {
+                rests[k].reading.active_us.saturating_sub(rests[last].reading.active_us)
+            }),
+            before: before[k],
+            after: after[k],
         };
         Some(Adjusted {
-            rests: rests.iter().zip(before.iter().zip(&after)).map(moved).collect(),
+            rests: (0..rests.len()).map(moved).collect(),
             glances: glances.iter().filter_map(at).collect(),
             beams: given.beams.to_vec(),
             used,
@@ -248,9 +261,9 @@ impl Adjusted {
         let after = self.rests.partition_point(|at| at.time_us <= time_us);
         let (first, second) = (after.saturating_sub(1), after.min(self.rests.len() - 1));
         let (a, b) = (&self.rests[first], &self.rests[second]);
-        let span = b.time_us.saturating_sub(a.time_us) as f64;
-        let share = if span > 0.0 {
-            (time_us.saturating_sub(a.time_us) as f64 / span).clamp(0.0, 1.0)
+        let begun_us = b.time_us.saturating_sub(b.way_us);
+        let share = if b.way_us > 0 {
+            (time_us.saturating_sub(begun_us) as f64 / b.way_us as f64).min(1.0)
         } else {
             0.0
         };

@@ -8,6 +8,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// What the program reports of the boundary of a `world`, mapped by a robot with such `noise`: its area, square
 /// metres, and the way that it took, metres.
 pub(crate) fn bounded(world: &str, noise: &str, seed: u64) -> (f64, f64) {
+    bounded_by(world, noise, seed, &[])
+}
+
+/// The same, asked of the program with `more` than that.
+pub(crate) fn bounded_by(world: &str, noise: &str, seed: u64, more: &[&str]) -> (f64, f64) {
     static RUNS: AtomicU32 = AtomicU32::new(0);
     let run = format!("periplus-{}-{}", std::process::id(), RUNS.fetch_add(1, Ordering::Relaxed));
     let dir = std::env::temp_dir().join(run);
@@ -17,6 +22,7 @@ pub(crate) fn bounded(world: &str, noise: &str, seed: u64) -> (f64, f64) {
     std::fs::write(&file, world).expect("a world");
     let done = Command::new(env!("CARGO_BIN_EXE_periplus"))
         .args(["run", "--noise", noise, "--until", "shape", "--seed", &seed.to_string()])
+        .args(more)
         .args([OsStr::new("--world"), file.as_os_str(), OsStr::new("--out"), out.as_os_str()])
         .output()
         .expect("the program");

@@ -11,12 +11,12 @@ use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::floor::Coverage;
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, Phase, stretches};
+use crate::mapping::network::Datum;
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::retrace::Beside;
 use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap};
 use crate::mapping::shape::{self, Loops};
 use crate::mapping::smooth::smooth;
-use crate::mapping::tape::{Taped, Untaped};
 use crate::mapping::thin::{PARTINGS, part};
 use crate::mapping::tour::{Scene, Tour, Turn};
 use crate::mapping::unreached::{Unreached, unreached};
@@ -31,9 +31,6 @@ pub(super) const REFINED: f64 = 0.05;
 
 /// Places of the lap whose doubt is looked at, at most.
 const MOST_DOUBTS: usize = 40;
-
-/// A taped length is laid on the map at most so often; each time the outline is fitted anew.
-const TAPINGS: u32 = 4;
 
 impl Mission {
     pub(super) fn search(&mut self, mut search: Box<Search>, out: &mut Vec<Output>) {
@@ -157,91 +154,13 @@ impl Mission {
         }
     }
 
-    /// Stretches all that was mapped towards what the tape said, if there is one, as far as its ends are
-    /// known; the outline then.
-    fn lay_tape(&mut self, fitted: Ring, out: &mut Vec<Output>) -> Ring {
-        let Some(tape) = self.settings.tape else { return fitted };
-        let mut outline = fitted;
-        let Some(length) = tape.on(&outline) else {
-            return self.not_taped(Untaped::Nowhere, outline, out);
-        };
-        let mapped = length.mapped;
-        if tape.stretch(length, self.tracker.stretched()).is_none() {
-            return self.not_taped(Untaped::Refused { mapped, taped: tape.length }, outline, out);
-        }
-        for _ in 0..TAPINGS {
-            let length = tape.on(&outline);
-            let stretched = self.tracker.stretched();
-            let stretch = length.and_then(|length| tape.stretch(length, stretched));
-            let Some(stretch) = stretch else { break };
-            if (stretch - 1.0).abs() < 1e-5 {
-                break;
-            }
-            self.stretch(stretch);
-            let fitted = if self.map.beyond.is_empty() {
-                self.fitted_outline()
-            } else {
-                // A fit would draw wall across the straits.
-                let start = self.settings.start.position;
-                Ok(outline.deformed(|at| (at - start) * (stretch - 1.0)))
-            };
-            let Ok(fitted) = fitted else {
-                self.stretch(1.0 / stretch);
-                let why = Untaped::Refused { mapped, taped: tape.length };
-                return self.not_taped(why, outline, out);
-            };
-            outline = fitted;
-        }
-        let stretch = self.tracker.stretched();
-        self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
-        self.map.untaped = None;
-        self.tell(EventKind::TapeLaid { mapped, taped: tape.length, stretch }, out);
-        outline
-    }
-
-    /// The tape made nothing of `outline`, and says why: who watches hears of it now, and who does not at the end.
-    fn not_taped(&mut self, why: Untaped, outline: Ring, out: &mut Vec<Output>) -> Ring {
-        let told = match why {
-            Untaped::Nowhere => EventKind::TapeNowhere,
-            Untaped::Refused { mapped, taped } => EventKind::TapeRefused { mapped, taped },
-        };
-        self.tell(told, out);
-        self.map.untaped = Some(why);
-        outline
-    }
-
-    /// Lays the tape on the outline that there is.
-    pub(super) fn tape_shape(&mut self, out: &mut Vec<Output>) {
-        let Some(fitted) = self.map.shape.as_ref().map(|shape| shape.outline.clone()) else {
-            return;
-        };
-        let outline = self.lay_tape(fitted, out);
-        self.map.shape = Some(shape::identify(outline, &self.map.contacts));
+    /// Says how well what is mapped is known; `datum` is what errors all of it has in common.
+    pub(super) fn state_errors(&mut self, datum: Option<Datum>) {
         let start = self.settings.start.position;
         Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
-    }
-
-    /// Stretches the way the robot went, and what it saw from there, away from the start.
-    fn stretch(&mut self, stretch: f64) {
-        let start = self.settings.start.position;
-        let moved = |at: Point| (at - start) * (stretch - 1.0);
-        for contact in &mut self.map.contacts {
-            let by = moved(contact.from);
-            contact.point += by;
-            contact.from += by;
+        if let Some(accuracy) = &mut self.map.accuracy {
+            accuracy.datum = datum;
         }
-        for object in &mut self.map.objects {
-            object.displace(moved);
-        }
-        for beyond in &mut self.map.beyond {
-            beyond.displace(moved);
-        }
-        for stroke in &mut self.way {
-            *stroke = stroke.placed(|at, _| at + moved(at));
-        }
-        self.tracker.stretch(stretch, start);
-        self.survey.stretch(stretch, start);
-        self.rest.pose = self.tracker.pose();
     }
 
     pub(super) fn shape(&mut self, out: &mut Vec<Output>) {
@@ -261,7 +180,7 @@ impl Mission {
             // Of contacts in a wrong order a fit may keep no more than a loop.
             fitted = shape::joined(&self.map.contacts, reach);
         }
-        let outline = match fitted.map(|outline| self.lay_tape(outline, out)) {
+        let outline = match fitted {
             Ok(outline) => outline,
             Err(why) => return self.fail(why, out),
         };
@@ -274,12 +193,19 @@ impl Mission {
         }
         let outline = self.end_at_straits(outline, out);
         let outline = self.set_apart(outline, out);
-        let shape = shape::identify(outline, &self.map.contacts);
-        let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
-        self.map.shape = Some(shape);
-        let start = self.settings.start.position;
-        Chart::new(&self.map, &self.survey).state_errors(&self.survey, start, &mut self.map);
-        self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
+        self.map.shape = Some(shape::identify(outline, &self.map.contacts));
+        let adjusted = self.adjust_lap(out);
+        if adjusted.is_some() {
+            self.refine();
+            // From here on the survey learns what the adjustment does not know yet.
+            self.survey.rebase();
+        }
+        self.lay_tape(out);
+        self.state_errors(adjusted.and_then(|whole| whole.datum));
+        if let Some(shape) = &self.map.shape {
+            let (class, vertices, parts) = (shape.class, shape.vertices.len(), shape.parts.len());
+            self.tell(EventKind::ShapeFound { class, vertices, parts }, out);
+        }
         self.tell_squared(out);
         self.calibrate();
         self.tell(EventKind::PhaseEnded { phase: Phase::Shape }, out);

@@ -1,11 +1,11 @@
-//! At the end all that was read is adjusted at once, and the map follows. How it is adjusted is for
-//! `network` to know, and what comes after it for `phases`.
+//! When the lap has its shape, and at the end, all that was read is adjusted at once, and the map follows. How
+//! it is adjusted is for `network` to know, and what comes after it for `phases`.
 
 use super::{Mission, Output};
-use crate::geometry::Point;
+use crate::geometry::{Point, Pose};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::{Contact, PathPoint};
-use crate::mapping::network::{Adjusted, Datum, Given, WITHIN};
+use crate::mapping::network::{Adjusted, Datum, Given, WITHIN, WITHIN_LAP};
 use crate::mapping::shape;
 
 /// That all of it was adjusted.
@@ -19,16 +19,26 @@ impl Mission {
     /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
     /// Nothing moves where it cannot be done to the end; what errors all of it has in common if it was.
     pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
-        let (map, pose) = (self.map.clone(), self.tracker.pose());
-        let path = self.tracker.path().to_vec();
+        self.adjust(&WITHIN, out)
+    }
+
+    /// The same when the lap alone is driven.
+    pub(super) fn adjust_lap(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
+        self.adjust(&WITHIN_LAP, out)
+    }
+
+    /// The same by such steps.
+    fn adjust(&mut self, steps: &[f64], out: &mut Vec<Output>) -> Option<Whole> {
+        let before = (self.map.clone(), self.way.clone(), self.beside.clone());
+        let (pose, path) = (self.tracker.pose(), self.tracker.path().to_vec());
         let mut last = None;
-        for (k, within) in WITHIN.into_iter().enumerate() {
-            last = self.adjusted(within, k + 1 == WITHIN.len()).map(|adjusted| {
+        for (k, &within) in steps.iter().enumerate() {
+            last = self.adjusted(within, k + 1 == steps.len()).map(|adjusted| {
                 self.follow(&adjusted);
                 (adjusted.used, adjusted.datum)
             });
             if last.is_none() {
-                self.map = map;
+                (self.map, self.way, self.beside) = before;
                 self.tracker.path_mut().clone_from(&path);
                 self.tracker.settle(pose);
                 self.rest.pose = pose;
@@ -91,10 +101,16 @@ impl Mission {
                 object.outline.deformed(|_| middle)
             });
         }
+        for stroke in &mut self.way {
+            let place = |at, time_us| adjusted.pose(Pose { position: at, heading: 0.0 }, time_us);
+            *stroke = stroke.placed(|at, time_us| place(at, time_us).position);
+        }
         for point in self.tracker.path_mut() {
             point.pose = adjusted.pose(point.pose, point.time_us);
         }
-        let here = adjusted.pose(self.tracker.pose(), self.tracker.time_us());
+        let before = self.tracker.pose();
+        let here = adjusted.pose(before, self.tracker.time_us());
+        self.beside = self.beside.take().map(|beside| beside.moved(&before, &here));
         self.tracker.settle(here);
         self.rest.pose = here;
     }

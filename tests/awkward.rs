@@ -11,9 +11,12 @@ mod common;
 mod reported;
 
 use periplus::geometry::{Point, Ring, ring};
+use periplus::mapping::event::{Event, EventKind};
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
+use periplus::robot::{Chassis, Intent};
 use periplus::simulator::{NoiseProfile, World};
+use periplus::wire::told;
 
 const LED_ASTRAY: &str = r#"
 name = "a box near the wall leads the lap off"
@@ -331,6 +334,24 @@ fn a_lap_that_is_led_off_to_a_leg_in_a_gap_is_led_back_by_closing_that() {
         assert!((3.9..4.0).contains(&area), "seed {seed}: {area} m2");
         assert!(way < 18.0, "seed {seed}: {way} m, and once round it is 11");
     }
+    // And whoever watches is told, where it happens.
+    let world = World::from_toml(LEGS_BY_A_WALL, "legs", 0.1).expect("a world");
+    let gaps = (1..=6).flat_map(|seed| {
+        let chassis = told(&Chassis::default());
+        let settings = Settings { seed, chassis, ..Settings::new(world.start) };
+        let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
+        run.intent(Intent::Run);
+        while run.is_under_way() && run.session().mission().phase() == Phase::Boundary {
+            run.advance();
+        }
+        let gap = |event: &Event| match event.kind {
+            EventKind::LedBack { width } => Some(width),
+            _ => None,
+        };
+        run.session().events().iter().filter_map(gap).collect::<Vec<f64>>()
+    });
+    let gaps: Vec<f64> = gaps.collect();
+    assert!(!gaps.is_empty() && gaps.iter().all(|width| (0.25..0.42).contains(width)), "{gaps:?}");
 }
 
 #[test]

@@ -83,6 +83,8 @@ pub struct Circuit {
     left: u32,
     /// Odometer when the gap was closed to it that had led it off to a thing, metres.
     parted: Option<f64>,
+    /// How wide that gap is, metres, until it is told.
+    untold_gap: Option<f64>,
     /// The narrowest gap it is sent through, metres.
     passable: f64,
     /// It goes round something else than it began with, in the same room as here, or in a pocket of it.
@@ -114,6 +116,7 @@ impl Circuit {
             leaving: None,
             left: 0,
             parted: None,
+            untold_gap: None,
             passable: chassis.passable_gap(),
             led_from: None,
             begun_anew: 0,
@@ -157,6 +160,11 @@ impl Circuit {
     #[must_use]
     pub fn looks_closed(&self) -> bool {
         !self.candidates.is_empty()
+    }
+
+    /// The width of a gap, metres, that was closed to the robot since this was asked last.
+    pub fn closed_gap(&mut self) -> Option<f64> {
+        self.untold_gap.take()
     }
 
     /// The robot came to rest: what next?

@@ -88,6 +88,12 @@ pub enum EventKind {
         /// Length, metres.
         length: f64,
     },
+    /// A lap was led off to a thing beside what it follows, and round that; the gap that led it off is closed to
+    /// the robot from here on.
+    LedBack {
+        /// Width of the gap, metres.
+        width: f64,
+    },
     /// The operator wants so many laps.
     LapsWanted {
         /// How many in all.

@@ -212,6 +212,7 @@ impl Search {
                 }
                 Doing::Lapping(mut circuit) => match circuit.next(tracker, rest) {
                     Leg::Go(ask) => {
+                        tell.extend(circuit.closed_gap().map(|width| EventKind::LedBack { width }));
                         self.doing = Doing::Lapping(circuit);
                         return Next::Go(ask);
                     }

@@ -136,6 +136,7 @@ impl Circuit {
         self.parted = Some(now);
         self.pocket = Some(Pocket::after(self.pocket, came, now));
         self.follower.close(thing, other);
+        self.untold_gap = Some((other - thing).norm());
         true
     }
 

@@ -203,6 +203,11 @@ fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             f,
             "lap closed after {length:.2} m: a pocket behind a narrow gap, not the room; back out"
         ),
+        EventKind::LedBack { width } => write!(
+            f,
+            "round and round a thing beside the wall: the gap of {:.0} mm that led there counts as closed",
+            width * 1e3
+        ),
         EventKind::LapsWanted { laps } => {
             write!(f, "{laps} laps in all, as soon as one has closed")
         }
@@ -373,6 +378,7 @@ impl fmt::Display for EventKind {
             | Self::LapClosed { .. }
             | Self::LapFailed { .. }
             | Self::Pocket { .. }
+            | Self::LedBack { .. }
             | Self::LapsWanted { .. }
             | Self::LapAgain { .. }
             | Self::LapAveraged { .. }
@@ -438,6 +444,7 @@ impl EventKind {
             Self::LapFailed { .. }
             | Self::LapCut { .. }
             | Self::Pocket { .. }
+            | Self::LedBack { .. }
             | Self::ContactLost
             | Self::LineEnded { .. }
             | Self::ObjectOpen { .. }

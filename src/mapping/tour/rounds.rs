@@ -79,6 +79,8 @@ impl Tour {
         }
         match round.circuit.next(scene.tracker, &scene.rest) {
             Leg::Go(ask) => {
+                let gap = round.circuit.closed_gap();
+                scene.tell.extend(gap.map(|width| EventKind::LedBack { width }));
                 round.mark(scene);
                 self.doing = Doing::Rounding(round);
                 Some(ask)

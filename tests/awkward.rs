@@ -278,6 +278,8 @@ fn an_island_that_the_lap_went_round_stands_apart() {
 fn an_island_gone_along_from_gap_to_gap_is_on_the_map() {
     for (gap, start, all_round) in [
         (0.27, "{ x = 3.5, y = 0.5, heading = 90 }", true),
+        // Its tip was left on the wall, and the object was cut off beside it.
+        (0.27, "{ x = 3.4, y = 0.4, heading = 90 }", true),
         (0.28, "{ x = 3.5, y = 0.5, heading = 90 }", true),
         (0.28, "{ x = 3.4, y = 2.4, heading = 180 }", true),
         (0.28, "{ x = 3.3, y = 0.4, heading = 90 }", false),

@@ -10,6 +10,13 @@ use crate::mapping::shape::{self, Enclosed, Loops, Thing};
 use crate::mapping::unreached::{Beyond, Unreached};
 use crate::mapping::wall::is_felt_on_both_hands;
 
+/// Contacts of a tip lie on it, and on the outline of what it is the tip of, within this, metres.
+const ON_TIP: f64 = 0.015;
+/// It lies no farther than this from what was drawn without it, metres: as far apart as two looks at a face.
+const TO_TIP: f64 = 0.65;
+/// That is no more than so many times as large with it.
+const MOST_GROWN: f64 = 1.5;
+
 impl Mission {
     /// Makes objects of what the lap went round within the room; false when there is nothing.
     pub(super) fn take_out_enclosed(&mut self, out: &mut Vec<Output>) -> bool {
@@ -24,11 +31,40 @@ impl Mission {
         true
     }
 
+    /// Gives what the lap went round, and what is an object already, the tip that it is joined to the outline by;
+    /// what remains of the outline.
+    fn give_tips(&mut self, outline: Ring) -> Ring {
+        let mut outline = outline;
+        while !self.map.objects.is_empty()
+            && let Some((rest, tip)) =
+                shape::tip(&outline, &self.map.contacts, &self.way, &self.settings.chassis)
+        {
+            let is_own = |c: &Contact| tip.distance(c.point) < rest.distance(c.point).min(ON_TIP);
+            let (own, walls): (Vec<Contact>, Vec<Contact>) =
+                self.map.contacts.iter().copied().partition(is_own);
+            let whole = self.map.objects.iter().enumerate().find_map(|(k, object)| {
+                let mut contacts = [object.contacts.as_slice(), own.as_slice()].concat();
+                contacts.sort_by(|a, b| a.time.total_cmp(&b.time));
+                let thing = Thing::of(contacts);
+                let reaches = own.iter().all(|c| thing.outline.distance(c.point) < ON_TIP);
+                let grown = 1.0..MOST_GROWN;
+                let is_it =
+                    reaches && grown.contains(&(thing.outline.area() / object.outline.area()));
+                (is_it && object.outline.distance(tip.middle()) < TO_TIP).then_some((k, thing))
+            });
+            let Some((k, thing)) = whole.filter(|_| !own.is_empty()) else { break };
+            let object = &mut self.map.objects[k];
+            *object = thing.numbered(object.id);
+            (self.map.contacts, outline) = (walls, rest);
+        }
+        outline
+    }
+
     /// Makes objects of what only gaps too narrow to pass join to the outline, and of what the outline has
     /// lost; what remains of it.
     pub(super) fn set_apart(&mut self, outline: Ring, out: &mut Vec<Output>) -> Ring {
-        let chassis = &self.settings.chassis;
         let was_joined = self.fit(Loops::Touched).is_none();
+        let chassis = &self.settings.chassis;
         let (rest, islands) = shape::islands(outline, &self.map.contacts, &self.way, chassis);
         // Each of them has the contacts that lie nearest to it, and the wall has the rest.
         let (walls, own): (Vec<Contact>, Vec<Contact>) =
@@ -47,6 +83,7 @@ impl Mission {
         for thing in lost {
             self.stands_apart(thing, out);
         }
+        let rest = self.give_tips(rest);
         // A round room is seen to be round when nothing hangs on it any longer; and where the contacts could
         // only be joined, a fit may be made of what is left.
         let again = (alone || was_joined).then(|| self.fit(Loops::All)).flatten();

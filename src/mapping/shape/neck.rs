@@ -72,6 +72,28 @@ pub fn islands(
     (outline, found)
 }
 
+/// The tip of something that chords across a gap join to the outline of a room, too small to be a thing of its
+/// own: the outline without it, and the tip, counter-clockwise. Where a lap goes round a thing behind a gap its
+/// contacts cross each other at that, and what lies before the crossing stays on the wall.
+#[must_use]
+pub fn tip(
+    outline: &Ring,
+    contacts: &[Contact],
+    strokes: &[Stroke],
+    chassis: &Chassis,
+) -> Option<(Ring, Ring)> {
+    let seen = Touched::on(contacts, strokes, chassis);
+    let lengths = TOUCHING..SLANT * chassis.passable_gap();
+    let crosses = |piece: &Piece| seen.is_crossed_by(piece, Floor::Inside, &lengths);
+    necks(outline, crosses).into_iter().find_map(|(i, k)| {
+        let (rest, tip) = parted(outline, i, k)?;
+        let gap = Gap::between(&rest, &tip)?;
+        let is_small = (0.0..SMALLEST).contains(&-tip.area()) && rest.area() > 0.0;
+        (is_small && !gap.is_closed() && !gap.is_passed(chassis))
+            .then(|| (rest, tip.counter_clockwise()))
+    })
+}
+
 /// The outlines of the things of which `island`, on which `contacts` were made on the way of `strokes`, is
 /// made up: floor that was looked at parts them ([`super::divide`]), or only untouched chords join them.
 pub(super) fn told_apart(
@@ -146,6 +168,11 @@ impl<'a> Touched<'a> {
         let places = surfaces.map(|c| (c.point, c.from)).collect();
         Self { contacts, places, beams: closed_beams(strokes, chassis, PACE) }
     }
+
+    /// Whether `piece` of an outline crosses a gap as long as one of `lengths`, metres, in which nothing stands.
+    fn is_crossed_by(&self, piece: &Piece, floor: Floor, lengths: &Range<f64>) -> bool {
+        is_chord(piece, floor, &self.places, lengths) && !is_held(piece, floor, &self.beams)
+    }
 }
 
 /// The two parts of `outline`, where two chords join them and nothing else does: for a room, its
@@ -159,7 +186,7 @@ fn cut(
     let longest = SLANT * chassis.passable_gap();
     let cut = |outline: &Ring, lengths: &Range<f64>| {
         cut_at(outline, seen.contacts, floor, chassis, |piece| {
-            is_chord(piece, floor, &seen.places, lengths) && !is_held(piece, floor, &seen.beams)
+            seen.is_crossed_by(piece, floor, lengths)
         })
     };
     cut(outline, &(SHORTEST..longest)).or_else(|| {
@@ -177,21 +204,7 @@ fn cut_at(
     chassis: &Chassis,
     crosses: impl Fn(&Piece) -> bool,
 ) -> Option<(Ring, Ring)> {
-    let pieces = &outline.pieces;
-    let chords: Vec<usize> = (0..pieces.len()).filter(|&k| crosses(&pieces[k])).collect();
-    let width = |i: usize, k: usize| {
-        let (a, b) = (&pieces[i], &pieces[k]);
-        (a.from() - b.to()).norm().max((a.to() - b.from()).norm())
-    };
-    let mut pairs: Vec<(usize, usize)> = chords
-        .iter()
-        .enumerate()
-        .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]))
-        .filter(|&(i, k)| width(i, k) < NECK)
-        .collect();
-    // The narrowest neck first: a wide one may be of several things, each with a neck of its own.
-    pairs.sort_by(|one, other| width(one.0, one.1).total_cmp(&width(other.0, other.1)));
-    pairs.into_iter().find_map(|(i, k)| {
+    necks(outline, crosses).into_iter().find_map(|(i, k)| {
         let (rest, island) = split(outline, i, k, floor)?;
         // Both as they were cut and as they are fitted: a fit may leave out a thin end.
         let gap = Gap::between(&rest, &island)?;
@@ -213,6 +226,26 @@ fn cut_at(
     })
 }
 
+/// The pairs of chords of `outline`, which are the pieces that `crosses` takes for such, between which it is
+/// narrow, the narrowest first.
+fn necks(outline: &Ring, crosses: impl Fn(&Piece) -> bool) -> Vec<(usize, usize)> {
+    let pieces = &outline.pieces;
+    let chords: Vec<usize> = (0..pieces.len()).filter(|&k| crosses(&pieces[k])).collect();
+    let width = |i: usize, k: usize| {
+        let (a, b) = (&pieces[i], &pieces[k]);
+        (a.from() - b.to()).norm().max((a.to() - b.from()).norm())
+    };
+    let mut pairs: Vec<(usize, usize)> = chords
+        .iter()
+        .enumerate()
+        .flat_map(|(n, &i)| chords[n + 1..].iter().flat_map(move |&k| [(i, k), (k, i)]))
+        .filter(|&(i, k)| width(i, k) < NECK)
+        .collect();
+    // The narrowest neck first: a wide one may be of several things, each with a neck of its own.
+    pairs.sort_by(|one, other| width(one.0, one.1).total_cmp(&width(other.0, other.1)));
+    pairs
+}
+
 /// The outline of what was cut off, fitted to its own contacts, where that looks like it: the cut
 /// left its tip out.
 fn fitted(island: Ring, rest: &Ring, contacts: &[Contact]) -> Ring {
@@ -229,9 +262,8 @@ fn fitted(island: Ring, rest: &Ring, contacts: &[Contact]) -> Ring {
     if own.len() >= 4 && alike && simple && whole { ring } else { island }
 }
 
-/// The outline cut at the chords `i` and `k`: what lies between them on the way from `i` to `k` is the
-/// island.
-fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring)> {
+/// The outline cut at the chords `i` and `k`: what lies between them on the way from `i` to `k` is the second.
+fn parted(outline: &Ring, i: usize, k: usize) -> Option<(Ring, Ring)> {
     let pieces = &outline.pieces;
     let count = pieces.len();
     let between = |from: usize, to: usize| -> Vec<Piece> {
@@ -254,8 +286,12 @@ fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring
         // A contact of the other face of a thin wall may reach through the side that was put in.
         simple.or_else(|| super::uncrossed(&closed(whole.to_vec())?))
     };
-    let rest = trimmed(&between(k, i))?;
-    let island = trimmed(&between(i, k))?;
+    Some((trimmed(&between(k, i))?, trimmed(&between(i, k))?))
+}
+
+/// The same where both are large enough to be something: the second is the island.
+fn split(outline: &Ring, i: usize, k: usize, floor: Floor) -> Option<(Ring, Ring)> {
+    let (rest, island) = parted(outline, i, k)?;
     if floor == Floor::Outside {
         let sound = |ring: &Ring| ring.pieces.len() >= 2 && ring.area() > SMALLEST;
         let within = |one: &Ring, other: &Ring| other.contains(one.pieces[0].from());
@@ -313,6 +349,22 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert!((found[0].area() - 0.1564).abs() < 1e-9, "{}", found[0].area());
         assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
+    }
+
+    #[test]
+    fn a_tip_behind_a_gap_is_no_thing_but_is_told() {
+        let (chassis, seen) = (Chassis::default(), [contact(1.0, 0.0), contact(2.02, 0.3)]);
+        let left_over = joined(&[(2.02, 0.3)], 0.28);
+        assert!(islands(left_over.clone(), &seen, &[], &chassis).1.is_empty());
+        let (rest, found) = tip(&left_over, &seen, &[], &chassis).expect("a tip");
+        assert!((found.area() - 0.0004).abs() < 1e-9, "{}", found.area());
+        assert!((rest.area() - 12.0).abs() < 1e-9, "{}", rest.area());
+        // A box is no tip, nor is what hangs on a neck that could be passed, or that was touched.
+        assert_eq!(tip(&room(), &seen, &[], &chassis), None);
+        let touched = [contact(2.0, 0.1), contact(2.04, 0.1)];
+        assert_eq!(tip(&left_over, &touched, &[], &chassis), None);
+        let slim = Chassis { radius: 0.04, range: 0.02, ..Chassis::default() };
+        assert_eq!(tip(&left_over, &seen, &[], &slim), None);
     }
 
     #[test]

@@ -96,6 +96,19 @@ pub struct Own {
     pub track: Measured,
 }
 
+/// What the robot itself does wrong, as it comes out when all is adjusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Faults {
+    /// What the gyro drifts, radians per second.
+    pub drift: f64,
+    /// By which share of each turn the gyro tells too much.
+    pub scale: f64,
+    /// What the wheels turn by their own account where the robot goes straight, radians per metre.
+    pub wheels: f64,
+    /// By which share of each turn the wheels tell too much.
+    pub track: f64,
+}
+
 /// The filter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
@@ -167,6 +180,17 @@ impl Survey {
     #[must_use]
     pub fn lopsided(&self) -> f64 {
         self.mean[WHEELS]
+    }
+
+    /// The robot errs as came out when all was adjusted at once, its drift apart: that is known from what the filter
+    /// learnt too, and from all that it could not go back to. It is no surer of it than it was.
+    pub fn errs(&mut self, faults: &Faults) {
+        // What has to be added is the other way round.
+        for (row, fault) in [(SCALE, faults.scale), (WHEELS, faults.wheels), (TRACK, faults.track)]
+        {
+            self.mean[row] = -fault;
+        }
+        self.mean[BIAS] = 0.0;
     }
 
     /// What it believes of the robot itself.

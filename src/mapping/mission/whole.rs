@@ -19,23 +19,27 @@ impl Mission {
     /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
     /// Nothing moves where it cannot be done to the end; what errors all of it has in common if it was.
     pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
-        self.adjust(&WITHIN, out)
+        self.adjust(&WITHIN, false, out)
     }
 
-    /// The same when the lap alone is driven.
+    /// The same when the lap alone is driven. In a round room, where nothing that was seen tells how far the robot
+    /// has turned, nothing tells what the gyro drifts either: there all of it at once knows no better than the
+    /// filter, and nothing moves.
     pub(super) fn adjust_lap(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
-        self.adjust(&WITHIN_LAP, out)
+        self.adjust(&WITHIN_LAP, true, out)
     }
 
-    /// The same by such steps.
-    fn adjust(&mut self, steps: &[f64], out: &mut Vec<Output>) -> Option<Whole> {
+    /// The same by such steps; only where all of it has a `turn` that can be told.
+    fn adjust(&mut self, steps: &[f64], turn: bool, out: &mut Vec<Output>) -> Option<Whole> {
         let before = (self.map.clone(), self.way.clone(), self.beside.clone());
         let (pose, path) = (self.tracker.pose(), self.tracker.path().to_vec());
         let mut last = None;
         for (k, &within) in steps.iter().enumerate() {
-            last = self.adjusted(within, k + 1 == steps.len()).map(|adjusted| {
-                self.follow(&adjusted);
-                (adjusted.used, adjusted.datum)
+            let is_last = k + 1 == steps.len();
+            let adjusted = self.adjusted(within, is_last);
+            last = adjusted.filter(|all| !(turn && is_last) || all.datum.is_some()).map(|all| {
+                self.follow(&all);
+                (all.used, all.datum, all.faults)
             });
             if last.is_none() {
                 (self.map, self.way, self.beside) = before;
@@ -50,7 +54,10 @@ impl Mission {
         };
         let squares: f64 = path.iter().zip(self.tracker.path()).map(off).sum();
         let moved = (squares / path.len().max(1) as f64).sqrt();
-        let (used, datum) = last?;
+        let (used, datum, faults) = last?;
+        // The way is told by a gyro and by wheels that err like that; what comes is.
+        self.survey.errs(&faults);
+        self.tracker.set_bias(faults.drift);
         self.tell(EventKind::AdjustedWhole { moved, used }, out);
         Some(Whole { datum })
     }

@@ -8,7 +8,7 @@ use super::record::{Glance, Motion, Rest};
 use super::surface::{Surfaces, UNKNOWNS};
 use crate::geometry::{Pose, Vector, angle, perp};
 use crate::mapping::survey::{
-    ALONG, ASIDE, HEADING_WALK, SCALE_SD, STRIDE_SHARE, TRACK_SD, TURN_SHARE,
+    ALONG, ASIDE, Faults, HEADING_WALK, SCALE_SD, STRIDE_SHARE, TRACK_SD, TURN_SHARE,
 };
 use nalgebra::{DVector, SVector};
 
@@ -80,6 +80,12 @@ impl Unknowns {
         for (own, by) in self.own.iter_mut().chain(&mut self.reach).zip(border.iter()) {
             *own += by;
         }
+    }
+
+    /// What the robot itself does wrong.
+    pub(super) fn faults(&self) -> Faults {
+        let [drift, scale, wheels, track] = self.own;
+        Faults { drift, scale, wheels, track }
     }
 
     /// How many contacts lie on their surfaces, and how well, in standard deviations, root mean square.

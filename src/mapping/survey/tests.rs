@@ -213,3 +213,17 @@ fn stretches_in_which_the_wheels_scrub_tell_nothing_of_the_gyro() {
     assert_eq!(walk(0.1), datasheet);
     assert!(walk(0.0) < 0.5 * datasheet, "{}", walk(0.0));
 }
+
+#[test]
+fn what_all_at_once_says_of_the_robot_is_taken_out_of_its_next_turns() {
+    let mut survey = Survey::new(TICK);
+    // A gyro that tells 1 % too much of each turn, and wheels that tell a turn of 5 mrad a metre on the straight.
+    survey.errs(&Faults { drift: 1e-4, scale: 0.01, wheels: 0.005, track: 0.0 });
+    assert_eq!(survey.take_bias(), 0.0, "the drift is taken out of the readings themselves");
+    assert!((survey.lopsided().abs() - 0.005).abs() < 1e-12);
+    let told = turn(&mut survey, Pose::new(0.0, 0.0, 0.0));
+    let real = survey.take_pose(told);
+    let off = told.heading - real.heading;
+    // The wheels, which told as much as the gyro, say something of it too, but little.
+    assert!((0.004..0.012).contains(&(off / told.heading)), "{off}");
+}

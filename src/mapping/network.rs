@@ -30,7 +30,7 @@ pub use datum::Datum;
 pub use record::{Glance, Reading, Rest};
 
 use super::map::{Contact, PathPoint, RoomMap};
-use super::survey::Faults;
+use super::survey::SystematicErrors;
 use crate::geometry::{Point, Pose, Vector, angle, rotate};
 use dither::weighed;
 use equation::{Read, Robot, Unknowns};
@@ -126,7 +126,7 @@ pub struct Adjusted {
     /// Contacts that lie on mapped surfaces.
     pub used: usize,
     /// What the robot itself does wrong.
-    pub faults: Faults,
+    pub errors: SystematicErrors,
     /// What the errors of all of it have in common; none where it was not asked for, or nothing tells.
     pub datum: Option<Datum>,
 }
@@ -199,7 +199,7 @@ impl Network {
         let (used, misfit) = unknowns.misfit(&read, &surfaces);
         let seen = surfaces.of.iter().flatten().count();
         let datum = given.datum.then(|| robot.datum(&read, &unknowns, &surfaces)).flatten();
-        let faults = unknowns.faults();
+        let errors = unknowns.errors();
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
@@ -225,7 +225,7 @@ impl Network {
             glances: glances.iter().filter_map(at).collect(),
             beams: given.beams.to_vec(),
             used,
-            faults,
+            errors,
             datum,
         })
     }

@@ -98,7 +98,7 @@ pub struct Own {
 
 /// What the robot itself does wrong, as it comes out when all is adjusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Faults {
+pub struct SystematicErrors {
     /// What the gyro drifts, radians per second.
     pub drift: f64,
     /// By which share of each turn the gyro tells too much.
@@ -184,9 +184,9 @@ impl Survey {
 
     /// The robot errs as came out when all was adjusted at once, its drift apart: that is known from what the filter
     /// learnt too, and from all that it could not go back to. It is no surer of it than it was.
-    pub fn errs(&mut self, faults: &Faults) {
+    pub fn errs(&mut self, errors: &SystematicErrors) {
         // What has to be added is the other way round.
-        for (row, fault) in [(SCALE, faults.scale), (WHEELS, faults.wheels), (TRACK, faults.track)]
+        for (row, fault) in [(SCALE, errors.scale), (WHEELS, errors.wheels), (TRACK, errors.track)]
         {
             self.mean[row] = -fault;
         }

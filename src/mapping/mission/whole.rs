@@ -39,7 +39,7 @@ impl Mission {
             let adjusted = self.adjusted(within, is_last);
             last = adjusted.filter(|all| !(turn && is_last) || all.datum.is_some()).map(|all| {
                 self.follow(&all);
-                (all.used, all.datum, all.faults)
+                (all.used, all.datum, all.errors)
             });
             if last.is_none() {
                 (self.map, self.way, self.beside) = before;
@@ -54,10 +54,10 @@ impl Mission {
         };
         let squares: f64 = path.iter().zip(self.tracker.path()).map(off).sum();
         let moved = (squares / path.len().max(1) as f64).sqrt();
-        let (used, datum, faults) = last?;
+        let (used, datum, errors) = last?;
         // The way is told by a gyro and by wheels that err like that; what comes is.
-        self.survey.errs(&faults);
-        self.tracker.set_bias(faults.drift);
+        self.survey.errs(&errors);
+        self.tracker.set_bias(errors.drift);
         self.tell(EventKind::AdjustedWhole { moved, used }, out);
         Some(Whole { datum })
     }

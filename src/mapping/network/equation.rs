@@ -8,7 +8,7 @@ use super::record::{Glance, Motion, Rest};
 use super::surface::{Surfaces, UNKNOWNS};
 use crate::geometry::{Pose, Vector, angle, perp};
 use crate::mapping::survey::{
-    ALONG, ASIDE, Faults, HEADING_WALK, SCALE_SD, STRIDE_SHARE, TRACK_SD, TURN_SHARE,
+    ALONG, ASIDE, HEADING_WALK, SCALE_SD, STRIDE_SHARE, SystematicErrors, TRACK_SD, TURN_SHARE,
 };
 use nalgebra::{DVector, SVector};
 
@@ -83,9 +83,9 @@ impl Unknowns {
     }
 
     /// What the robot itself does wrong.
-    pub(super) fn faults(&self) -> Faults {
+    pub(super) fn errors(&self) -> SystematicErrors {
         let [drift, scale, wheels, track] = self.own;
-        Faults { drift, scale, wheels, track }
+        SystematicErrors { drift, scale, wheels, track }
     }
 
     /// How many contacts lie on their surfaces, and how well, in standard deviations, root mean square.

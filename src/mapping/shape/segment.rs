@@ -22,8 +22,8 @@ pub(super) const ARC_SPAN: f64 = 25.0 * angle::PI / 180.0;
 const WIDEST_GAP: f64 = 0.65;
 /// ... and along a round one no farther than this share of its radius.
 pub(super) const WIDEST_ON_ARC: f64 = 0.5;
-/// ... and where it looked and saw nothing new, the end of a straight wall is no farther off than this,
-/// metres.
+/// The end of a straight wall, in a corner, lies no farther than this from the rest of what was seen of the
+/// wall, metres: one look between them that told nothing.
 const UNSEEN: f64 = 1.0;
 /// Contacts that stand out of an otherwise straight wall, and are taken for mistaken ones, are no more
 /// than this many ...
@@ -285,7 +285,7 @@ fn pass_over_at_corner(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> b
     let Some(k) = found else { return false };
     let (odd, (before, after)) = (runs[k], beside(k));
     let off = |j: usize, end: usize| (samples[j].point - samples[end].point).norm();
-    // The seam lies within no run.
+    // At the seam, where the numbers begin anew, nothing is handed over: a run has no hole in its numbers.
     if after > k && all_of(&runs[after], &odd) && off(odd.last, runs[after].first) < UNSEEN {
         runs[after].first = odd.first;
     } else if before < k

@@ -218,7 +218,7 @@ fn stretches_in_which_the_wheels_scrub_tell_nothing_of_the_gyro() {
 fn what_all_at_once_says_of_the_robot_is_taken_out_of_its_next_turns() {
     let mut survey = Survey::new(TICK);
     // A gyro that tells 1 % too much of each turn, and wheels that tell a turn of 5 mrad a metre on the straight.
-    survey.errs(&Faults { drift: 1e-4, scale: 0.01, wheels: 0.005, track: 0.0 });
+    survey.errs(&SystematicErrors { drift: 1e-4, scale: 0.01, wheels: 0.005, track: 0.0 });
     assert_eq!(survey.take_bias(), 0.0, "the drift is taken out of the readings themselves");
     assert!((survey.lopsided().abs() - 0.005).abs() < 1e-12);
     let told = turn(&mut survey, Pose::new(0.0, 0.0, 0.0));

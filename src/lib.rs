@@ -17,7 +17,7 @@
 //!    and `smooth`, which lets its straight walls straighten the lap, and `thin`, which parts the faces of thin
 //!    ones; `tape`, a length that was measured in the room; `square`, right angles made right; `plan` (III.E)
 //!    on `floor`; `tour` (III.F) on the `chart` of what is mapped; `network`, all observations adjusted at
-//!    once when the tour is over, and what errors they then have in common;
+//!    once, when the lap has its shape and when the tour is over, and what errors they then have in common;
 //!    `relocate`, how a robot that was carried, or doubts where it is, finds its place again;
 //!    `trust`, which switches can be believed; `accuracy`, how well all of it is known; `unreached`, what
 //!    the robot does not get to.

@@ -5,6 +5,7 @@
 mod common;
 
 use periplus::geometry::{Point, Ring, ring};
+use periplus::mapping::event::EventKind;
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::{Contour, Settings};
 use periplus::robot::Intent;
@@ -47,6 +48,43 @@ fn both_contours_find_every_object() {
             assert!((0.93..1.07).contains(&share), "{contour:?}: {} is {share}", object.name);
         }
     }
+}
+
+#[test]
+fn past_one_side_on_to_the_end_of_the_line_and_back_past_the_other() {
+    // Before, a robot that was past an object went back to where its line begins, through what was not on the map
+    // yet: it met it from behind, and now and then took the same side for the other one.
+    let world = World::from_toml(ROOM, "room", 0.1).expect("a world");
+    let settings = Settings { contour: Contour::TwoPass, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::None);
+    run.intent(Intent::Run);
+    while run.is_under_way() {
+        run.advance();
+    }
+    let told: Vec<EventKind> =
+        run.session().events().iter().map(|event| event.kind.clone()).collect();
+    let of_the_line = |kind: &&EventKind| {
+        use EventKind::{LineBegan, LineDriven, LineEnded, ObjectClosed, ObjectFound};
+        matches!(kind, LineBegan { .. } | LineDriven { .. } | LineEnded { .. } | ObjectFound { .. })
+            || matches!(kind, ObjectClosed { .. })
+    };
+    let mut halves = 0;
+    for (k, kind) in told.iter().enumerate() {
+        if !matches!(kind, EventKind::ObjectHalf { .. }) {
+            continue;
+        }
+        halves += 1;
+        let next: Vec<&EventKind> = told[k..].iter().filter(of_the_line).take(4).collect();
+        let [EventKind::LineDriven { id }, EventKind::LineBegan { id: again, .. }, found, closed] =
+            next[..]
+        else {
+            panic!("{next:?}")
+        };
+        assert_eq!(id, again);
+        assert!(matches!(found, EventKind::ObjectFound { .. }), "{next:?}");
+        assert!(matches!(closed, EventKind::ObjectClosed { .. }), "{next:?}");
+    }
+    assert!(halves >= 2, "{halves} passed");
 }
 
 const SMALL: &str = r#"

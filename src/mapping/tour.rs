@@ -16,6 +16,7 @@ mod extra;
 mod leave;
 mod line;
 mod no_passage;
+mod passes;
 mod recognise;
 mod rounds;
 mod sureness;
@@ -29,7 +30,6 @@ use super::floor::{Coverage, Floor};
 use super::follow::{Ask, AtRest};
 use super::map::{LineReason, LineStatus, PlanLine, RoomMap};
 use super::odometry::Tracker;
-use super::passing::Passing;
 use super::retreat::Retreat;
 use super::settings::{Contour, Settings};
 use super::survey::Survey;
@@ -41,7 +41,8 @@ pub use doubt::Astray;
 use doubt::Doubt;
 use drive::Drive;
 use line::Stops;
-use rounds::{Half, Pass, Round};
+use passes::{Half, Pass};
+use rounds::Round;
 use std::collections::VecDeque;
 use sureness::Sureness;
 use ties::Shuttle;
@@ -68,7 +69,7 @@ enum Doing {
     Feeling(Feeling),
     Tying(Shuttle),
     Retreating(Retreat),
-    Passing { passing: Box<Passing>, drive: Box<Drive>, half: Option<Half> },
+    Passing(Pass),
 }
 
 /// What a decision of the tour looks at and writes to.
@@ -104,8 +105,8 @@ pub struct Tour {
     covered: usize,
     coverage: Coverage,
     given_up: Vec<Point>,
-    /// Lines on which an object was passed on one side only.
-    halves: Vec<(u32, Half)>,
+    /// Objects that were passed on one side only.
+    halves: Vec<Half>,
     extra: usize,
     begun: bool,
     /// Metres driven when bearings were taken last.
@@ -217,7 +218,7 @@ impl Tour {
     pub fn wall(&self) -> &Wall {
         match &self.doing {
             Doing::Rounding(round) => &round.circuit.wall,
-            Doing::Passing { passing, .. } => &passing.wall,
+            Doing::Passing(pass) => pass.wall(),
             _ => &self.wall,
         }
     }
@@ -226,7 +227,7 @@ impl Tour {
     pub fn wall_mut(&mut self) -> &mut Wall {
         match &mut self.doing {
             Doing::Rounding(round) => &mut round.circuit.wall,
-            Doing::Passing { passing, .. } => &mut passing.wall,
+            Doing::Passing(pass) => pass.wall_mut(),
             _ => &mut self.wall,
         }
     }
@@ -250,7 +251,7 @@ impl Tour {
     /// Whether something is being gone round, whose contacts must hang together.
     #[must_use]
     pub fn goes_round(&self) -> bool {
-        matches!(self.doing, Doing::Rounding(_) | Doing::Passing { .. })
+        matches!(self.doing, Doing::Rounding(_) | Doing::Passing(_))
     }
 
     /// The mapped surfaces and what they hang on.
@@ -344,8 +345,7 @@ impl Tour {
                     }
                     reason = None;
                 }
-                Doing::Passing { passing, drive, half } => {
-                    let pass = Pass { passing, drive, half };
+                Doing::Passing(pass) => {
                     if let Some(ask) = self.pass(pass, scene) {
                         return Some(ask);
                     }

@@ -209,7 +209,7 @@ impl Tour {
                 self.driven -= line.drive.map_or(0.0, |(a, b)| (b - a).norm());
                 finish(line, LineStatus::Planned, None);
             }
-            self.halves.retain(|(half, _)| *half != id);
+            self.halves.retain(|half| half.line() != id);
             self.queue.push_front((id, backwards));
         }
         (self.covered, self.coverage) = (0, Coverage::new());

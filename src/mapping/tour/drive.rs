@@ -117,6 +117,24 @@ impl Drive {
         if length < 1e-9 { self.from } else { self.from + (self.to - self.from) * (along / length) }
     }
 
+    /// Whether it is on its line, and on no way to anywhere.
+    pub(super) fn is_on_line(&self) -> bool {
+        self.purpose == Purpose::Line && self.aim == Aim::Line
+    }
+
+    /// The robot is at `place` on the piece of the line in hand: what lies before it is done with, and how many
+    /// metres of it were not yet.
+    pub(super) fn come_to(&mut self, place: Point) -> f64 {
+        let length = (self.to - self.from).norm();
+        if self.aim != Aim::Line || length < 1e-9 {
+            return 0.0;
+        }
+        let along = (self.to - self.from).dot(&(place - self.from)) / length;
+        let before = self.done;
+        self.done = along.min(self.piece_end).max(before);
+        self.done - before
+    }
+
     /// Notes that the stretch from `begin` to `end`, metres along, is left out, for the body has no
     /// `clearance` there.
     pub(super) fn leave_out(&mut self, begin: f64, end: f64, floor: &Floor, clearance: f64) {
@@ -222,6 +240,19 @@ mod tests {
         assert_eq!(reason(0.0, 0.4), Some(LineReason::NoClearance));
         // The line was planned to end where the wall is by now known to be a little nearer.
         assert_eq!(reason(0.0, 0.08), None);
+    }
+
+    #[test]
+    fn what_was_driven_of_a_line_is_done_with_wherever_the_robot_leaves_it() {
+        let mut drive = Drive::new(1, Point::new(0.0, 1.0), Point::new(3.5, 1.0));
+        (drive.done, drive.piece_end) = (0.5, 3.0);
+        let at = |x: f64| Point::new(x, 1.01);
+        assert!(!drive.is_on_line() && drive.come_to(at(2.0)) <= 0.0, "on its way to the line");
+        drive.aim = Aim::Line;
+        assert!(drive.is_on_line() && (drive.come_to(at(2.0)) - 1.5).abs() < 1e-9);
+        assert!(drive.come_to(at(1.9)) <= 0.0 && (drive.done - 2.0).abs() < 1e-9, "led back");
+        drive.come_to(at(3.2));
+        assert!((drive.done - 3.0).abs() < 1e-9, "beyond the piece another one may be free or not");
     }
 
     #[test]

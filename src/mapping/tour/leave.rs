@@ -22,9 +22,8 @@ impl Tour {
     fn in_hand(&mut self) -> Option<Drive> {
         match std::mem::replace(&mut self.doing, Doing::Choosing) {
             Doing::Choosing | Doing::Feeling(_) | Doing::Tying(_) | Doing::Retreating(_) => None,
-            Doing::Driving(drive) | Doing::BackingOff(drive) | Doing::Passing { drive, .. } => {
-                Some(*drive)
-            }
+            Doing::Driving(drive) | Doing::BackingOff(drive) => Some(*drive),
+            Doing::Passing(pass) => Some(pass.into_drive()),
             Doing::Rounding(round) => Some(round.into_drive()),
         }
     }
@@ -35,7 +34,7 @@ impl Tour {
             return;
         }
         self.driven -= drive.done;
-        self.halves.retain(|(id, _)| *id != drive.id);
+        self.halves.retain(|half| half.line() != drive.id);
         self.queue.push_front((drive.id, drive.backwards));
         let line = map.plan.as_mut().and_then(|p| p.lines.iter_mut().find(|l| l.id == drive.id));
         if let Some(line) = line {

@@ -49,6 +49,10 @@ impl Tour {
         reason: Option<DoneReason>,
         scene: &mut Scene<'_>,
     ) -> Option<Ask> {
+        // Wherever it has to leave the line, it goes on from there.
+        if reason.is_some() {
+            self.driven += drive.come_to(scene.rest.pose.position);
+        }
         match reason {
             Some(DoneReason::Guard { sensor, rising: true }) => {
                 if let Some(seen) =

@@ -1,22 +1,21 @@
-//! Going round what a line meets: one full round at first contact, or past it on one side and on
-//! the way back on the other (paper III.F).
+//! Going round what a line meets: one full round, at first contact or where a pass on both sides (`passes`)
+//! does not lead round it.
 
 use super::drive::{Drive, Purpose};
 use super::no_passage::Reversed;
 use super::{Doing, MOST_LEFT_OPEN, Scene, Tour};
-use crate::geometry::{Point, Pose, angle};
+use crate::geometry::Point;
 use crate::mapping::adjust::Adjustment;
 use crate::mapping::circuit::{Circuit, Leg};
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
-use crate::mapping::passing::{Passing, Way};
 use crate::mapping::search::{lap_things, straight_contacts, whole_lap};
 use crate::mapping::settings::Contour;
-use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, things};
+use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
-use crate::mapping::wall::{Sighting, Stroke, Wall};
+use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
 
 /// The floor is looked at anew when what stands on it is believed to have moved this far, metres.
@@ -54,12 +53,9 @@ impl Tour {
             return None;
         }
         scene.tell.push(EventKind::ObjectFound { id, by });
-        if self.contour == Contour::TwoPass {
-            let half = self.take_half(&drive);
-            let side = half.as_ref().map_or(side, |half| half.side);
-            let line = Pose { position: drive.from, heading: angle::of(drive.to - drive.from) };
-            let passing = Box::new(Passing::new(&self.chassis, side, wall, line, scene.tracker));
-            self.doing = Doing::Passing { passing, drive, half };
+        // Who is not on a line has no line to come back to.
+        if self.contour == Contour::TwoPass && drive.is_on_line() {
+            self.begin_to_pass(drive, seen.point, side, wall, scene);
             return None;
         }
         self.doing = Doing::Rounding(Round::new(&self.chassis, side, wall, drive, id));
@@ -187,7 +183,7 @@ impl Tour {
     }
 
     /// Adds what a whole round went round to map and chart, with what it hangs on.
-    fn record_round(&mut self, found: Vec<Thing>, hung: &Hung, scene: &mut Scene<'_>) {
+    pub(super) fn record_round(&mut self, found: Vec<Thing>, hung: &Hung, scene: &mut Scene<'_>) {
         // Of two that stand close to each other one may be on the map already.
         let fresh: Vec<Thing> =
             found.into_iter().filter(|thing| !self.is_known(&thing.contacts)).collect();
@@ -223,60 +219,6 @@ impl Tour {
         } else {
             Doing::Driving(drive)
         };
-    }
-
-    /// What was seen of the object on this line when it was driven the other way.
-    fn take_half(&mut self, drive: &Drive) -> Option<Half> {
-        let at = self.halves.iter().rposition(|(id, _)| *id == drive.id)?;
-        Some(self.halves.swap_remove(at).1)
-    }
-
-    /// Past an object on one side (two-pass contour). The first pass leaves half of it open, and
-    /// the line is driven again from its end; the second closes it.
-    pub(super) fn pass(&mut self, mut pass: Pass, scene: &mut Scene<'_>) -> Option<Ask> {
-        let id = scene.map.next_id();
-        match pass.passing.next(scene.tracker, &scene.rest) {
-            Way::Leg(Leg::Go(ask)) => {
-                let Pass { passing, drive, half } = pass;
-                self.doing = Doing::Passing { passing, drive, half };
-                return Some(ask);
-            }
-            Way::Leg(Leg::Closed(..) | Leg::Failed(_)) => {
-                // No way past on this side: all the way round instead.
-                let Pass { passing, drive, .. } = pass;
-                let (side, wall) = (passing.side(), passing.wall);
-                self.doing = Doing::Rounding(Round::new(&self.chassis, side, wall, drive, id));
-            }
-            Way::Back => {
-                let side = pass.passing.side();
-                let seen = side_contacts(&pass.passing);
-                let way = pass.passing.wall.strokes();
-                if let Some(half) = pass.half.take() {
-                    let mut contacts = half.contacts;
-                    contacts.extend(seen);
-                    if side == Side::Right {
-                        contacts.reverse();
-                    }
-                    let strokes = [&half.strokes, way].concat();
-                    let found = things(contacts, &strokes, &self.chassis);
-                    if let Some(at) = self.cannot_be(&found, scene) {
-                        // It is past it, and beside nothing.
-                        self.doing = Doing::Driving(pass.drive);
-                        self.go_astray(at, None, scene);
-                        return None;
-                    }
-                    let hung = Hung::Once(here(scene));
-                    self.record_round(found, &hung, scene);
-                } else {
-                    let half = Half { side, contacts: seen, strokes: way.to_vec() };
-                    self.halves.push((pass.drive.id, half));
-                    pass.drive.again = true;
-                    scene.tell.push(EventKind::ObjectHalf { id });
-                }
-                self.resume(pass.drive);
-            }
-        }
-        None
     }
 }
 
@@ -361,30 +303,4 @@ impl Round {
         scene.tracker.correct(scene.survey.take_pose(scene.tracker.pose()));
         Hung::Along(scene.survey.mapped_from(begun, back))
     }
-}
-
-/// A pass under way, likewise.
-pub(super) struct Pass {
-    pub(super) passing: Box<Passing>,
-    pub(super) drive: Box<Drive>,
-    pub(super) half: Option<Half>,
-}
-
-/// One side of an object, in the order in which it was passed.
-#[derive(Debug, Clone)]
-pub(super) struct Half {
-    side: Side,
-    contacts: Vec<Contact>,
-    /// The way past it.
-    strokes: Vec<Stroke>,
-}
-
-/// What the switches on the object's hand saw on the way past it.
-fn side_contacts(passing: &Passing) -> Vec<Contact> {
-    let sign = passing.side().sign();
-    let towards = |seen: &&Sighting| {
-        let bearing = angle::wrap(seen.beam - seen.pose.heading) * sign;
-        seen.alive && (seen.sensor.is_none() || (-0.3..2.7).contains(&bearing))
-    };
-    passing.wall.log().iter().filter(towards).map(Sighting::contact).collect()
 }

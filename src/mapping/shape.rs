@@ -33,7 +33,7 @@ mod whole;
 pub use assemble::Loops;
 pub use chord::mouths;
 pub use classify::{TURN_POINT, identify, turn_points};
-pub use island::{Enclosed, enclosed, lost};
+pub use island::{Enclosed, enclosed, lost, unmapped};
 pub use neck::{islands, shared_out, tip};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
 pub use spur::without_spurs;

@@ -1,8 +1,8 @@
 //! What a lap went round on the way although it stands apart: from both sides of a gap that it did not
 //! pass, the robot saw the same stretch of wall, and the contacts, joined in order, cross themselves
 //! there. Counted with their sense (every place as often as the line goes round it), they enclose the
-//! floor, and leave out what stands in it. And what an outline has lost although it was gone round. Knows
-//! contacts and outlines alone; what becomes of the map, the mission decides.
+//! floor, and leave out what stands in it. And what an outline has lost, or the map does not have yet, although
+//! it was gone round. Knows contacts and outlines alone; what becomes of the map, the mission decides.
 
 use super::object::Thing;
 use crate::geometry::{Point, Ring, Vector, angle};
@@ -80,11 +80,18 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 /// went round it twice, it is left for the tour to find.
 #[must_use]
 pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) {
-    let is_off = |contact: &Contact| {
-        contact.kind != ContactKind::Edge
-            && outline.contains(contact.point)
-            && outline.distance(contact.point) > OFF_WALL
-    };
+    apart(contacts, |p| outline.contains(p) && outline.distance(p) > OFF_WALL)
+}
+
+/// What was gone round beside what is on the map already: made of those `contacts` that are not `beside` that.
+#[must_use]
+pub fn unmapped(contacts: &[Contact], beside: impl Fn(Point) -> bool) -> Vec<Thing> {
+    apart(contacts, |p| !beside(p)).1
+}
+
+/// Things that were gone round, made of those `contacts` that are `off` everything else, and all other contacts.
+fn apart(contacts: &[Contact], off: impl Fn(Point) -> bool) -> (Vec<Contact>, Vec<Thing>) {
+    let is_off = |contact: &Contact| contact.kind != ContactKind::Edge && off(contact.point);
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (k, contact) in contacts.iter().enumerate().filter(|(_, contact)| is_off(contact)) {
         let near = |other: &usize| (contacts[*other].point - contact.point).norm() < TOGETHER;
@@ -156,6 +163,27 @@ mod tests {
         // Seen from one side only it may be anything.
         let (kept, things) = lost(&seen(0.4), &outline);
         assert!(things.is_empty() && kept.len() == seen(0.4).len());
+    }
+
+    #[test]
+    fn a_post_on_a_round_that_led_on_to_what_is_mapped_is_unmapped() {
+        // From the post on round a board that is on the map: most of what was seen is known.
+        let corners = [(1.3, 1.0), (3.0, 1.0), (3.0, 1.05), (1.3, 1.05), (1.3, 1.0)];
+        let board =
+            Ring::polygon(&corners[..4].iter().map(|&(x, y)| Point::new(x, y)).collect::<Vec<_>>());
+        let mut seen = along(&corners, -1.0);
+        let (known, one) = (seen.len(), seen[0]);
+        seen.extend((0..14).map(|k| {
+            let away = angle::unit(angle::PI - f64::from(k - 7) * angle::TAU / 16.0);
+            let (point, from) =
+                (Point::new(1.0, 1.0) + away * 0.03, Point::new(1.0, 1.0) + away * 0.16);
+            Contact { point, from, ..one }
+        }));
+        let things = unmapped(&seen, |p| board.contains(p) || board.distance(p) < 0.15);
+        let [post] = &things[..] else { panic!("{things:?}") };
+        assert!(known > 20 && post.contacts.len() == 14, "{known} {}", post.contacts.len());
+        assert!((post.outline.middle() - Point::new(1.0, 1.0)).norm() < 0.01);
+        assert!(unmapped(&seen[..known], |p| board.distance(p) < 0.15).is_empty());
     }
 
     #[test]

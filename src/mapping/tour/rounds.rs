@@ -13,7 +13,7 @@ use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::search::{lap_things, straight_contacts, whole_lap};
 use crate::mapping::settings::Contour;
-use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline};
+use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, unmapped};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
@@ -95,6 +95,11 @@ impl Tour {
                 let hung = round.close(&overlap, scene);
                 let after = scene.tracker.pose();
                 if self.is_known(&contacts) {
+                    // Where it stands so near that the round led on to what is known, it is none of that.
+                    let known = |p: Point| self.chart.distance(p).0 < KNOWN;
+                    let fresh = unmapped(&contacts, known);
+                    let is_fresh = !fresh.is_empty();
+                    self.record_round(fresh, &hung, scene);
                     // The pose was off, or it would not have been met as something new.
                     let share = contacts.len() as f64 / ROUND_WORTH;
                     let least = ROUND_SD * share.max(1.0).sqrt();
@@ -108,6 +113,10 @@ impl Tour {
                         if let Some(pose) = fixed {
                             scene.tracker.correct(pose);
                         }
+                    }
+                    if is_fresh {
+                        self.resume(round.drive);
+                        return None;
                     }
                     scene.tell.push(EventKind::ObjectKnown { id: round.id });
                     // Met again and again, it stands where the map does not have it.

@@ -5,7 +5,7 @@
 use super::gap::Gap;
 use super::object::object_outline;
 use crate::geometry::raster::Grid;
-use crate::geometry::{Point, Ring, Vector, angle};
+use crate::geometry::{Point, Ring, Segment, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
 use crate::mapping::wall::{Stroke, swept};
 use crate::robot::Chassis;
@@ -83,8 +83,17 @@ pub(super) fn divided(
     let of = Unswept::beside(contacts, strokes, chassis)?.pieces(contacts, THIN);
     let of = as_one(&shared_out(contacts, &of)?, contacts, chassis);
     let parts: Vec<Vec<Contact>> = grouped(contacts, &of).into_values().collect();
-    let whole = parts.iter().all(|part| widest_unseen(part) < MOST_UNSEEN);
-    (parts.len() > 1 && whole).then_some(parts)
+    let whole = || parts.iter().all(|part| widest_unseen(part) < MOST_UNSEEN);
+    (parts.len() > 1 && (whole() || is_driven_over(contacts, strokes))).then_some(parts)
+}
+
+/// Whether the robot drove, on the way of `strokes`, through what all its `contacts` together enclose: seen from
+/// one side only or not, what it drove between is several.
+fn is_driven_over(contacts: &[Contact], strokes: &[Stroke]) -> bool {
+    let corners = object_outline(contacts, true).0.to_points(CELL);
+    let sides = || corners.iter().zip(corners.iter().cycle().skip(1));
+    let crosses = |way: &Segment| sides().any(|(a, b)| way.crosses(&Segment::new(*a, *b)));
+    strokes.iter().any(|stroke| crosses(&stroke.way()))
 }
 
 /// Of which piece each of the `contacts` is, when `of` tells it for those that lie on one: the others are of
@@ -414,6 +423,22 @@ mod tests {
         let outer: Vec<Contact> =
             contacts.into_iter().filter(|contact| contact.from.x.abs() > 0.13).collect();
         assert_eq!(divided(&outer, wall.strokes(), &Chassis::default()), None);
+    }
+
+    #[test]
+    fn what_the_robot_drove_between_is_two_though_one_was_seen_from_one_side_alone() {
+        let blocks = [((-0.26, -0.025), (-0.16, 0.025)), ((0.16, -0.025), (0.26, 0.025))];
+        let (mut contacts, wall) = gone_round(&blocks);
+        contacts.retain(|contact| contact.from.x < 0.22);
+        let chassis = Chassis::default();
+        assert_eq!(divided(&contacts, wall.strokes(), &chassis), None, "it may be anything");
+        let mut between = Wall::new(&chassis);
+        for y in [0.4, -0.4] {
+            between.carve(Pose::new(0.0, y, -angle::PI / 2.0), SwitchSet::EMPTY, 0.0, 0);
+        }
+        let way = [wall.strokes(), between.strokes()].concat();
+        let parts = divided(&contacts, &way, &chassis).expect("two legs");
+        assert_eq!(parts.len(), 2);
     }
 
     #[test]

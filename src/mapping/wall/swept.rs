@@ -42,6 +42,12 @@ impl Stroke {
         (self.to.position - self.from.position).norm()
     }
 
+    /// The way of the robot's centre.
+    #[must_use]
+    pub fn way(&self) -> Segment {
+        Segment::new(self.from.position, self.to.position)
+    }
+
     /// Half way along.
     #[must_use]
     pub fn middle(&self) -> Point {

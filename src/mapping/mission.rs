@@ -106,6 +106,8 @@ pub struct Mission {
     began: bool,
     laps: u32,
     lost: Option<Lost>,
+    /// How often in a row it doubted its place and did not find it.
+    unfound: u32,
     /// The way of the first lap, as its contacts are believed.
     way: Vec<Stroke>,
     /// What the lap that closed last ended beside.
@@ -143,6 +145,7 @@ impl Mission {
             began: false,
             laps: 0,
             lost: None,
+            unfound: 0,
             way: Vec::new(),
             beside: None,
             trust: Trust::new(&settings.chassis),

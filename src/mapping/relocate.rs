@@ -3,8 +3,9 @@
 //! until one place only is left that looks so.
 //!
 //! Until then its pose is in a frame of its own. A room that looks the same from two places is told by
-//! where the robot is about, if that is known: by the operator's word, or since it only doubts. A carried
-//! robot without it stands still and asks.
+//! where the robot is about, if that is known: by the operator's word, or since it only doubts. One that did not
+//! find its place near there looks anywhere. A carried robot without it, and one that is not found anywhere, stands
+//! still and asks.
 
 pub mod recognise;
 
@@ -39,13 +40,21 @@ pub enum About {
     Told,
     /// About where its pose is, since it only doubts that.
     Doubted,
+    /// Anywhere on the map: it doubted its place before, and did not find it near there.
+    Lost,
 }
 
 impl About {
+    /// Whether nobody said that it is somewhere else, and it found out.
+    #[must_use]
+    pub fn is_doubt(self) -> bool {
+        matches!(self, Self::Doubted | Self::Lost)
+    }
+
     /// How far from its pose it may be, metres, radians.
     fn within(self) -> Option<(f64, f64)> {
         match self {
-            Self::Nothing => None,
+            Self::Nothing | Self::Lost => None,
             Self::Told => Some(TOLD),
             Self::Doubted => Some(DOUBTED),
         }

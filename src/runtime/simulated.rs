@@ -278,11 +278,11 @@ impl<W: Write> Runner for Headless<W> {
     fn step(&mut self) -> Step {
         self.run.advance();
         self.idle = if self.run.link.is_moving() { 0 } else { self.idle + 1 };
-        let stuck = (self.idle > LONGEST_SILENCE).then(|| Ending {
-            outcome: Outcome::Failed,
-            reason: "nothing happens any more".to_owned(),
-        });
-        match self.run.ending().or(stuck) {
+        let failed = |reason: &str| Ending { outcome: Outcome::Failed, reason: reason.to_owned() };
+        let lost = self.run.session.mission().waits_for_place();
+        let lost = lost.then(|| failed("the robot does not know where it is"));
+        let stuck = (self.idle > LONGEST_SILENCE).then(|| failed("nothing happens any more"));
+        match self.run.ending().or(lost).or(stuck) {
             Some(ending) => {
                 self.run.conclude();
                 Step::Ended(ending)

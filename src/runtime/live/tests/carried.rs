@@ -222,6 +222,43 @@ fn a_run_that_is_over_is_not_told_where_the_robot_is() {
     assert!(!mission.is_lost() && mission.map_now() == before, "it was believed");
 }
 
+/// The robot is turned on the spot during its tour, by so many radians, and nobody tells; its run to the end.
+fn turned(world: &World, by: f64) -> Rig {
+    let mut rig = rig_in(world, NoiseProfile::None, Faults::default(), 1, (true, None));
+    assert!(rig.until(4000.0, is_touring));
+    let pose = rig.body.true_pose();
+    rig.body.push(Pose { heading: pose.heading + by, ..pose });
+    assert!(rig.until(20000.0, |rig| rig.run.ending().is_some()));
+    rig
+}
+
+#[test]
+fn a_robot_that_is_not_where_it_believes_it_is_looks_for_its_place_anywhere() {
+    // Before, it went on where it believed it was, again and again, and said in the end that all was done.
+    let rig = turned(&l_room(), 1.5);
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
+    let session = rig.run.session().expect("a session");
+    assert_eq!(session.mission().map().objects.len(), l_room().objects.len());
+    let told = |kind: &EventKind| session.events().iter().filter(|e| e.kind == *kind).count();
+    assert_eq!(told(&EventKind::StillAstray), 1);
+}
+
+#[test]
+fn a_robot_that_does_not_find_its_place_anywhere_waits_for_word() {
+    let world = include_str!("../../../../sims/rectangle.toml");
+    let rig = turned(&World::from_toml(world, "rectangle", 0.1).expect("a world"), 1.0);
+    let session = rig.run.session().expect("a session");
+    assert!(session.mission().waits_for_place());
+    let last =
+        session.events().iter().rev().find(|e| matches!(e.kind, EventKind::PlaceUnclear { .. }));
+    assert_eq!(last.map(|e| e.kind.clone()), Some(EventKind::PlaceUnclear { places: 2 }));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Failed);
+    assert!(ending.reason.contains("does not know where it is"), "{}", ending.reason);
+}
+
 /// How far the mapped outline is from the true one at its corners, at most, metres.
 fn worst_corner(rig: &Rig, world: &World) -> f64 {
     let map = rig.run.session().expect("a session").mission().map();

@@ -133,14 +133,13 @@ pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
     ring.filter(|ring| holds(ring, contacts, &ordered, reach)).ok_or(Failure::OutlineBroken)
 }
 
-/// `outline` without the crossings that corrections of its corners may have made; as it is where they
-/// are more than small loops.
+/// `outline` without the crossings that corrections of its corners may have made.
 #[must_use]
 pub fn mended(outline: Ring) -> Ring {
-    uncrossed(&outline).unwrap_or(outline)
+    uncrossed(&outline).or_else(|| assemble::with_faces_parted(&outline)).unwrap_or(outline)
 }
 
-/// The same; none where they are more than small loops.
+/// The same; none where it crosses itself by more than small loops.
 #[must_use]
 pub fn uncrossed(outline: &Ring) -> Option<Ring> {
     assemble::simple(outline)

@@ -89,14 +89,24 @@ pub(super) fn ring(judge: &Judge<'_>, runs: &[Run], loops: Loops) -> Option<Ring
 /// few centimetres go first, and if that is not enough, the shorter loop at each crossing; none when
 /// those are no small loops.
 pub(super) fn simple(ring: &Ring) -> Option<Ring> {
+    without_crossings(ring, false)
+}
+
+/// The same, with large loops turned over: what was simple before it was corrected has faces of something thin
+/// that were laid through each other, and no island.
+pub(super) fn with_faces_parted(ring: &Ring) -> Option<Ring> {
+    without_crossings(ring, true)
+}
+
+fn without_crossings(ring: &Ring, turned: bool) -> Option<Ring> {
     let is_simple = |ring: &Ring| crossings(&chords(ring).0).is_empty();
     let vertex = |piece: &Piece| Vertex { at: piece.from(), bulge: piece.bulge(), run: 0 };
-    let vertices = without_spikes(ring.pieces.iter().map(vertex).collect());
+    let vertices = clean(ring.pieces.iter().map(vertex).collect());
     if vertices.len() == ring.pieces.len() && is_simple(ring) {
         return Some(ring.clone());
     }
     let made = to_ring(&without_small_loops(vertices));
-    if is_simple(&made) { Some(made) } else { untangled(chords(&made).0, |_| false) }
+    if is_simple(&made) { Some(made) } else { untangled(chords(&made).0, |_| turned) }
 }
 
 /// One step less freedom for a run; false when it has none left.
@@ -348,6 +358,29 @@ mod tests {
         let crossed: Vec<Vertex> = corners.map(at).to_vec();
         assert!(!crossings(&chords(&to_ring(&crossed)).0).is_empty());
         assert_eq!(without_small_loops(crossed).len(), corners.len(), "the board is gone");
+    }
+
+    #[test]
+    fn faces_of_a_long_board_that_corrections_laid_through_each_other_are_parted() {
+        let corners = [
+            (0.0, 0.0),
+            (2.0, 0.0),
+            (1.999, 0.9),
+            (2.004, 0.9),
+            (2.002, 0.6),
+            (1.999, 0.3),
+            (2.01, 0.0),
+            (4.0, 0.0),
+            (4.0, 3.0),
+            (0.0, 3.0),
+        ];
+        let crossed = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        assert!(!crossings(&crossed.to_points(SAGITTA)).is_empty());
+        assert_eq!(simple(&crossed), None, "no small loop");
+        let parted = with_faces_parted(&crossed).expect("a room with a board");
+        assert!(crossings(&parted.to_points(SAGITTA)).is_empty());
+        assert!(parted.pieces.iter().any(|piece| piece.from().y == 0.9), "{parted:?}");
+        assert!((parted.area() - 12.0).abs() < 0.01, "{}", parted.area());
     }
 
     #[test]

@@ -362,6 +362,22 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_run_without_a_console_ends_when_the_robot_does_not_know_where_it_is() {
+        let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
+        let run = SimulatedRun::<io::Sink>::new(&world, header, NoiseProfile::None, None);
+        let mut headless = Headless::new(run);
+        for _ in 0..200 {
+            assert!(matches!(headless.step(), Step::Going));
+        }
+        // No boundary is closed yet to know a place by.
+        headless.stop();
+        headless.run.intent(Intent::Placed { near: None });
+        let Step::Ended(ending) = headless.step() else { panic!("it waits for ever") };
+        assert_eq!(ending.outcome, Outcome::Failed);
+        assert_eq!(ending.reason, "the robot does not know where it is");
+    }
+
     fn header(name: &str, text: &str) -> (World, Header) {
         let world = World::from_toml(text, name, 0.1).expect("a world");
         let header = Header {

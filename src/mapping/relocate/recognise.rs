@@ -157,13 +157,15 @@ impl Landmarks {
         found
     }
 
-    /// The same place, better for the robot as it stands now than for all that it saw on its way.
+    /// The same place, better for the robot as it stands now than for all that it saw on its way; where what it
+    /// saw last leaves a direction open, as one wall alone does, all that it saw knows better.
     #[must_use]
     pub fn sharpened(&self, place: &Place, seen: &[Seen]) -> Place {
         let seen = thinned(seen);
         let now = seen.last().map_or(0.0, |newest| newest.travelled);
         let weight = |one: &Seen| 1.0 / (1.0 + ((now - one.travelled) / FADING).powi(2));
-        self.settle(&seen, place.onto, weight).map_or(*place, |sharp| Place {
+        let sharp = self.settle(&seen, place.onto, weight).filter(Place::is_sure);
+        sharp.map_or(*place, |sharp| Place {
             share: place.share,
             sd: (sharp.sd.0.max(place.sd.0), sharp.sd.1.max(place.sd.1)),
             ..sharp
@@ -384,6 +386,16 @@ mod tests {
         assert!(off < 0.01, "{off}");
         assert!(angle::wrap(places[0].onto.heading - frame.heading).abs() < 0.004);
         assert!(places[0].sd.0 < 0.02 && places[0].sd.1 < 0.01, "{:?}", places[0].sd);
+    }
+
+    #[test]
+    fn a_place_is_not_made_better_by_one_wall_alone() {
+        // What was seen last slides along it: a robot was believed to be somewhere within 100 000 km.
+        let marks = Landmarks::new(&room(), Vec::new());
+        let onto = Pose::new(0.2, 0.1, 0.4);
+        let seen = along(&[(0.5, 0.0), (2.5, 0.0)], &onto);
+        let place = Place { onto, rms: 0.002, share: 1.0, sd: (0.01, 0.005) };
+        assert_eq!(marks.sharpened(&place, &seen), place);
     }
 
     #[test]

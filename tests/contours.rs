@@ -9,7 +9,9 @@ use periplus::mapping::event::EventKind;
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::{Contour, Settings};
 use periplus::robot::Intent;
+use periplus::runtime::simulated::SimulatedRun;
 use periplus::simulator::{NoiseProfile, World};
+use std::io::Sink;
 
 const ROOM: &str = r#"
 name = "two boxes and a column"
@@ -50,17 +52,23 @@ fn both_contours_find_every_object() {
     }
 }
 
+/// The whole run of a robot that passes things on both sides.
+fn two_pass(world: &World) -> SimulatedRun<Sink> {
+    let settings = Settings { contour: Contour::TwoPass, ..Settings::new(world.start) };
+    let mut run = common::begun(world, settings, NoiseProfile::None);
+    run.intent(Intent::Run);
+    while run.is_under_way() {
+        run.advance();
+    }
+    run
+}
+
 #[test]
 fn past_one_side_on_to_the_end_of_the_line_and_back_past_the_other() {
     // Before, a robot that was past an object went back to where its line begins, through what was not on the map
     // yet: it met it from behind, and now and then took the same side for the other one.
     let world = World::from_toml(ROOM, "room", 0.1).expect("a world");
-    let settings = Settings { contour: Contour::TwoPass, ..Settings::new(world.start) };
-    let mut run = common::begun(&world, settings, NoiseProfile::None);
-    run.intent(Intent::Run);
-    while run.is_under_way() {
-        run.advance();
-    }
+    let run = two_pass(&world);
     let told: Vec<EventKind> =
         run.session().events().iter().map(|event| event.kind.clone()).collect();
     let of_the_line = |kind: &&EventKind| {
@@ -105,12 +113,7 @@ fn round_what_is_too_small_to_be_passed_the_robot_goes_once() {
     // A line that meets a small thing beside its middle is crossed again hardly any farther on. Before, the robot
     // went round and round for 30 m each time, and in a room with chairs it never came to an end.
     let world = World::from_toml(SMALL, "room", 0.1).expect("a world");
-    let settings = Settings { contour: Contour::TwoPass, ..Settings::new(world.start) };
-    let mut run = common::begun(&world, settings, NoiseProfile::None);
-    run.intent(Intent::Run);
-    while run.is_under_way() {
-        run.advance();
-    }
+    let run = two_pass(&world);
     let session = run.session();
     assert_eq!(session.mission().map_now().objects.len(), world.objects.len());
     let travel = session.progress()[3].travel;

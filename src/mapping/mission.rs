@@ -302,6 +302,12 @@ impl Mission {
         out.push(Output::Event(Event { time_us: self.tracker.time_us(), kind }));
     }
 
+    fn tell_all(&mut self, kinds: Vec<EventKind>, out: &mut Vec<Output>) {
+        for kind in kinds {
+            self.tell(kind, out);
+        }
+    }
+
     fn fail(&mut self, why: Failure, out: &mut Vec<Output>) {
         self.outcome = Outcome::Failed(why);
         self.tell(EventKind::Failed { why }, out);

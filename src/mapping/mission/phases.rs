@@ -38,9 +38,7 @@ impl Mission {
         let next = search.next(&mut self.tracker, &self.rest, &mut self.map, &mut told);
         self.rest.pose = self.tracker.pose();
         self.laps = search.laps();
-        for kind in told {
-            self.tell(kind, out);
-        }
+        self.tell_all(told, out);
         match next {
             Next::Go(ask) => {
                 self.task = Task::Search(search);
@@ -301,9 +299,7 @@ impl Mission {
             map: &mut self.map,
             tell: &mut told,
         });
-        for kind in told {
-            self.tell(kind, out);
-        }
+        self.tell_all(told, out);
         match next {
             Turn::Go(ask) => {
                 self.task = Task::Tour(tour);
@@ -322,9 +318,7 @@ impl Mission {
         let mut told = Vec::new();
         tour.take_away_twice(&mut self.map, &mut told);
         tour.measure_hidden(&self.tracker, &mut self.map);
-        for kind in told {
-            self.tell(kind, out);
-        }
+        self.tell_all(told, out);
         if let (true, Some(owed)) = (adjusted.is_some(), self.map.shortfall_to_the_letter())
             && self.went_on == 0
         {

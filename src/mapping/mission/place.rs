@@ -130,9 +130,7 @@ impl Mission {
         let mut told = Vec::new();
         let seek = relocation.next(&mut self.tracker, &self.rest, &mut told);
         self.rest.pose = self.tracker.pose();
-        for kind in told {
-            self.tell(kind, out);
-        }
+        self.tell_all(told, out);
         match seek {
             Seek::Go(ask) => {
                 self.task = Task::Relocate(relocation, tour);
@@ -152,9 +150,7 @@ impl Mission {
                     if off > unsure.max(ASTRAY_BY) {
                         tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
                     }
-                    for kind in told {
-                        self.tell(kind, out);
-                    }
+                    self.tell_all(told, out);
                 }
                 tour.be_sure(self.tracker.time_us());
                 self.unfound = 0;
@@ -172,9 +168,7 @@ impl Mission {
                 if doubts {
                     let mut told = Vec::new();
                     tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
-                    for kind in told {
-                        self.tell(kind, out);
-                    }
+                    self.tell_all(told, out);
                 }
                 self.task = Task::Tour(tour);
                 self.wait_for_word(EventKind::PlaceUnclear { places }, out);

@@ -5,6 +5,7 @@
 use super::gap::Gap;
 use super::object::object_outline;
 use crate::geometry::raster::Grid;
+use crate::geometry::segment::chords;
 use crate::geometry::{Point, Ring, Segment, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
 use crate::mapping::wall::{Stroke, swept};
@@ -90,9 +91,8 @@ pub(super) fn divided(
 /// Whether the robot drove, on the way of `strokes`, through what all its `contacts` together enclose: seen from
 /// one side only or not, what it drove between is several.
 fn is_driven_over(contacts: &[Contact], strokes: &[Stroke]) -> bool {
-    let corners = object_outline(contacts, true).0.to_points(CELL);
-    let sides = || corners.iter().zip(corners.iter().cycle().skip(1));
-    let crosses = |way: &Segment| sides().any(|(a, b)| way.crosses(&Segment::new(*a, *b)));
+    let sides = chords(&object_outline(contacts, true).0, CELL);
+    let crosses = |way: &Segment| sides.iter().any(|side| way.crosses(side));
     strokes.iter().any(|stroke| crosses(&stroke.way()))
 }
 

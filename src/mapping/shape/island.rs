@@ -4,9 +4,11 @@
 //! floor, and leave out what stands in it. And what an outline has lost, or the map does not have yet, although
 //! it was gone round. Knows contacts and outlines alone; what becomes of the map, the mission decides.
 
-use super::object::Thing;
+use super::object::{Thing, things};
 use crate::geometry::{Point, Ring, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
+use crate::mapping::wall::Stroke;
+use crate::robot::Chassis;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 
@@ -80,33 +82,11 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 /// went round it twice, it is left for the tour to find.
 #[must_use]
 pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) {
-    apart(contacts, |p| outline.contains(p) && outline.distance(p) > OFF_WALL)
-}
-
-/// What was gone round beside what is on the map already: made of those `contacts` that are not `beside` that.
-#[must_use]
-pub fn unmapped(contacts: &[Contact], beside: impl Fn(Point) -> bool) -> Vec<Thing> {
-    apart(contacts, |p| !beside(p)).1
-}
-
-/// Things that were gone round, made of those `contacts` that are `off` everything else, and all other contacts.
-fn apart(contacts: &[Contact], off: impl Fn(Point) -> bool) -> (Vec<Contact>, Vec<Thing>) {
-    let is_off = |contact: &Contact| contact.kind != ContactKind::Edge && off(contact.point);
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (k, contact) in contacts.iter().enumerate().filter(|(_, contact)| is_off(contact)) {
-        let near = |other: &usize| (contacts[*other].point - contact.point).norm() < TOGETHER;
-        let (joined, others): (Vec<_>, Vec<_>) =
-            groups.into_iter().partition(|group| group.iter().any(near));
-        groups = others;
-        groups.push(joined.into_iter().flatten().chain([k]).collect());
-    }
-    groups.retain(|group| is_gone_round(group.iter().map(|&k| &contacts[k])));
+    let off = |p: Point| outline.contains(p) && outline.distance(p) > OFF_WALL;
     let mut things = Vec::new();
-    groups.retain_mut(|group| {
-        // In the order in which they were made.
-        group.sort_unstable();
-        let own: Vec<Contact> = group.iter().map(|&k| contacts[k]).collect();
-        let thing = Thing::of(own);
+    let mut groups = gone_round(contacts, off, |one, other| are_near(contacts, one, other));
+    groups.retain(|group| {
+        let thing = Thing::of(group.iter().map(|&k| contacts[k]).collect());
         let is_drawn = thing.is_drawn();
         things.extend(is_drawn.then_some(thing));
         is_drawn
@@ -114,6 +94,51 @@ fn apart(contacts: &[Contact], off: impl Fn(Point) -> bool) -> (Vec<Contact>, Ve
     let is_kept = |k: &usize| groups.iter().all(|group| group.binary_search(k).is_err());
     let kept = (0..contacts.len()).filter(is_kept).map(|k| contacts[k]).collect();
     (kept, things)
+}
+
+/// What was gone round, on the way of `strokes`, beside what is on the map already: made of those `contacts`, in
+/// the order in which they were made, that are not `beside` that.
+#[must_use]
+pub fn unmapped(
+    contacts: &[Contact],
+    beside: impl Fn(Point) -> bool,
+    strokes: &[Stroke],
+    chassis: &Chassis,
+) -> Vec<Thing> {
+    let surfaces: Vec<Contact> =
+        contacts.iter().filter(|contact| contact.kind != ContactKind::Edge).copied().collect();
+    // A long side is touched seldom, but one touch after the other.
+    let together =
+        |one: usize, other: usize| one.abs_diff(other) == 1 || are_near(&surfaces, one, other);
+    let groups = gone_round(&surfaces, |p| !beside(p), together);
+    let of = |group: Vec<usize>| group.into_iter().map(|k| surfaces[k]).collect();
+    let found = groups.into_iter().flat_map(|group| things(of(group), strokes, chassis));
+    found.filter(Thing::is_drawn).collect()
+}
+
+/// Whether two of the `contacts` are of one thing, near as they are to each other.
+fn are_near(contacts: &[Contact], one: usize, other: usize) -> bool {
+    (contacts[one].point - contacts[other].point).norm() < TOGETHER
+}
+
+/// Those of the `contacts` that are `off` everything else, in groups `together` that were gone round: where each
+/// stands among all of them, in the order in which they were made.
+fn gone_round(
+    contacts: &[Contact],
+    off: impl Fn(Point) -> bool,
+    together: impl Fn(usize, usize) -> bool,
+) -> Vec<Vec<usize>> {
+    let is_off = |contact: &Contact| contact.kind != ContactKind::Edge && off(contact.point);
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, _) in contacts.iter().enumerate().filter(|(_, contact)| is_off(contact)) {
+        let (joined, others): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.iter().any(|&other| together(k, other)));
+        groups = others;
+        groups.push(joined.into_iter().flatten().chain([k]).collect());
+    }
+    groups.retain(|group| is_gone_round(group.iter().map(|&k| &contacts[k])));
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups
 }
 
 /// Whether `contacts` enough to draw something were made of it from all around.
@@ -179,11 +204,24 @@ mod tests {
                 (Point::new(1.0, 1.0) + away * 0.03, Point::new(1.0, 1.0) + away * 0.16);
             Contact { point, from, ..one }
         }));
-        let things = unmapped(&seen, |p| board.contains(p) || board.distance(p) < 0.15);
+        let chassis = Chassis::default();
+        let beside = |p| board.contains(p) || board.distance(p) < 0.15;
+        let things = unmapped(&seen, beside, &[], &chassis);
         let [post] = &things[..] else { panic!("{things:?}") };
         assert!(known > 20 && post.contacts.len() == 14, "{known} {}", post.contacts.len());
         assert!((post.outline.middle() - Point::new(1.0, 1.0)).norm() < 0.01);
-        assert!(unmapped(&seen[..known], |p| board.distance(p) < 0.15).is_empty());
+        assert!(unmapped(&seen[..known], beside, &[], &chassis).is_empty());
+    }
+
+    #[test]
+    fn a_long_thing_on_such_a_round_is_one_though_its_sides_were_touched_seldom() {
+        let known = along(&[(3.0, 1.0), (1.3, 1.0)], 1.0);
+        let wedge = [(0.0, 1.0), (1.0, 0.9), (1.0, 1.1), (0.0, 1.0)];
+        let seldom = along(&wedge, -1.0).into_iter().step_by(4);
+        let seen: Vec<Contact> = seldom.chain(known).collect();
+        let things = unmapped(&seen, |p| p.x > 1.25, &[], &Chassis::default());
+        let [thing] = &things[..] else { panic!("{things:?}") };
+        assert!((thing.outline.area() - 0.1).abs() < 0.01, "{:?}", thing.outline);
     }
 
     #[test]

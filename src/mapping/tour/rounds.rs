@@ -11,7 +11,7 @@ use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
 use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
-use crate::mapping::search::{lap_things, straight_contacts, whole_lap};
+use crate::mapping::search::{lap_strokes, lap_things, straight_contacts, whole_lap};
 use crate::mapping::settings::Contour;
 use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, unmapped};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
@@ -97,7 +97,8 @@ impl Tour {
                 if self.is_known(&contacts) {
                     // Where it stands so near that the round led on to what is known, it is none of that.
                     let known = |p: Point| self.chart.distance(p).0 < KNOWN;
-                    let fresh = unmapped(&contacts, known);
+                    let strokes = lap_strokes(&round.circuit.wall, &closure, &adjustment);
+                    let fresh = unmapped(&contacts, known, &strokes, &self.chassis);
                     let is_fresh = !fresh.is_empty();
                     self.record_round(fresh, &hung, scene);
                     // The pose was off, or it would not have been met as something new.

@@ -36,6 +36,8 @@ const APART: f64 = 0.06;
 const SMALL: f64 = 0.5;
 /// A thing that was seen from nowhere within so wide an angle was not gone round, radians.
 const MOST_UNSEEN: f64 = 2.6;
+/// Nothing is pressed into the body so far, nor is its way, beside what it goes round, off by so much, metres.
+const PRESSED: f64 = 0.03;
 /// A thing has at least so many contacts.
 const FEWEST: usize = 4;
 
@@ -85,15 +87,16 @@ pub(super) fn divided(
     let of = as_one(&shared_out(contacts, &of)?, contacts, chassis);
     let parts: Vec<Vec<Contact>> = grouped(contacts, &of).into_values().collect();
     let whole = || parts.iter().all(|part| widest_unseen(part) < MOST_UNSEEN);
-    (parts.len() > 1 && (whole() || is_driven_over(contacts, strokes))).then_some(parts)
+    (parts.len() > 1 && (whole() || is_driven_over(contacts, strokes, chassis))).then_some(parts)
 }
 
-/// Whether the robot drove, on the way of `strokes`, through what all its `contacts` together enclose: seen from
-/// one side only or not, what it drove between is several.
-fn is_driven_over(contacts: &[Contact], strokes: &[Stroke]) -> bool {
+/// Whether the body of the robot was, on the way of `strokes`, within what all its `contacts` together enclose:
+/// seen from one side only or not, what it came between is several.
+fn is_driven_over(contacts: &[Contact], strokes: &[Stroke], chassis: &Chassis) -> bool {
     let sides = chords(&object_outline(contacts, true).0, CELL);
-    let crosses = |way: &Segment| sides.iter().any(|side| way.crosses(side));
-    strokes.iter().any(|stroke| crosses(&stroke.way()))
+    let within = (chassis.radius - PRESSED).powi(2);
+    let enters = |way: &Segment| sides.iter().any(|side| way.gap_squared(side) < within);
+    strokes.iter().any(|stroke| enters(&stroke.way()))
 }
 
 /// Of which piece each of the `contacts` is, when `of` tells it for those that lie on one: the others are of
@@ -439,6 +442,13 @@ mod tests {
         let way = [wall.strokes(), between.strokes()].concat();
         let parts = divided(&contacts, &way, &chassis).expect("two legs");
         assert_eq!(parts.len(), 2);
+        // It came half of its body between them, and went back.
+        let mut into = Wall::new(&chassis);
+        for y in [0.4, 0.075] {
+            into.carve(Pose::new(0.0, y, -angle::PI / 2.0), SwitchSet::EMPTY, 0.0, 0);
+        }
+        let way = [wall.strokes(), into.strokes()].concat();
+        assert_eq!(divided(&contacts, &way, &chassis), Some(parts));
     }
 
     #[test]

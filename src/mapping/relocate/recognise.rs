@@ -90,6 +90,9 @@ const DRIFT: f64 = 0.002;
 const FADING: f64 = 1.5;
 /// No answer that leaves the robot's place, or its heading, less sure than this: metres, radians.
 const SURE: (f64, f64) = (0.03, 0.02);
+/// Nor one that is less sure than this without what lies about any one place, as far as a leg or the end of a
+/// board with its foot on the wall reaches, metres.
+const ONE_THING: f64 = 0.3;
 
 /// Everything that is mapped, to be recognised.
 #[derive(Debug, Clone)]
@@ -241,13 +244,14 @@ impl Landmarks {
     /// have been.
     fn settle(&self, seen: &[Seen], guess: Pose, weight: impl Fn(&Seen) -> f64) -> Option<Place> {
         let mut onto = guess;
-        let mut information = Matrix3::zeros();
+        let mut rows: Vec<(Point, Vector3<f64>)> = Vec::new();
         let count = seen.len() as f64;
         let middle = Point::from(seen.iter().map(|s| s.point.coords).sum::<Vector>() / count);
         for round in 0..ROUNDS {
             let within = if round < 4 { FAR } else { 2.0 * ON };
             let about = onto.to_world(middle);
-            let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+            let mut right = Vector3::zeros();
+            rows.clear();
             for one in seen {
                 let p = onto.to_world(one.point);
                 let Some((off, direction)) = self.off(p) else { continue };
@@ -257,12 +261,11 @@ impl Landmarks {
                 let lever = perp(p - about).dot(&direction);
                 let row = Vector3::new(direction.x, direction.y, lever);
                 let weight = weight(one);
-                normal += row * row.transpose() * weight;
+                rows.push((p, row * weight.sqrt()));
                 right -= row * (off * weight);
             }
-            let firm = normal + Matrix3::identity() * 1e-6;
+            let firm = information(rows.iter()) + Matrix3::identity() * 1e-6;
             let step = firm.try_inverse()? * right;
-            information = normal;
             let turned = Pose { position: Point::origin(), heading: step[2] };
             let shifted = about + turned.rotate(onto.position - about);
             onto = Pose {
@@ -277,13 +280,21 @@ impl Landmarks {
         let rms = (on.iter().map(|off| off * off).sum::<f64>() / on.len().max(1) as f64).sqrt();
         let open = seen.iter().filter(|s| self.is_floor(onto.to_world(s.from))).count() as f64;
         let scatter = rms.max(SCATTER / 2.0);
-        let covariance = information.try_inverse()? * (scatter * scatter);
-        let last = onto.to_world(seen[seen.len() - 1].from) - onto.to_world(middle);
-        let lever = last.norm();
-        let heading = covariance[(2, 2)].max(0.0).sqrt();
-        let position = (covariance[(0, 0)] + covariance[(1, 1)]).max(0.0).sqrt();
-        let sd = (position.max(lever * heading), heading);
-        let sure = sd.0 < SURE.0 && sd.1 < SURE.1;
+        let lever = (onto.to_world(seen[seen.len() - 1].from) - onto.to_world(middle)).norm();
+        let sd_by = |information: Matrix3<f64>| -> Option<(f64, f64)> {
+            let covariance = information.try_inverse()? * (scatter * scatter);
+            let heading = covariance[(2, 2)].max(0.0).sqrt();
+            let position = (covariance[(0, 0)] + covariance[(1, 1)]).max(0.0).sqrt();
+            Some((position.max(lever * heading), heading))
+        };
+        let is_sure = |sd: (f64, f64)| sd.0 < SURE.0 && sd.1 < SURE.1;
+        let sd = sd_by(information(rows.iter()))?;
+        // What one thing alone holds in its place may be beside another one that looks like it.
+        let without = |p: &Point| {
+            let rest = rows.iter().filter(|(other, _)| (other - p).norm() > ONE_THING);
+            sd_by(information(rest)).is_some_and(is_sure)
+        };
+        let sure = is_sure(sd) && rows.iter().all(|(p, _)| without(p));
         // What leaves a direction open slides: it is a rival to whatever else fits, but no answer.
         let share = if sure { share } else { share.min(SHARE - 0.01) };
         (open >= SHARE * count).then_some(Place { onto, rms, share, sd })
@@ -310,6 +321,11 @@ impl Landmarks {
     fn is_floor(&self, p: Point) -> bool {
         self.outline.contains(p) && !self.objects.iter().any(|ring| ring.contains(p))
     }
+}
+
+/// What contacts say of the place: the sum of what each of their equations does.
+fn information<'a>(rows: impl Iterator<Item = &'a (Point, Vector3<f64>)>) -> Matrix3<f64> {
+    rows.map(|(_, row)| row * row.transpose()).sum()
 }
 
 /// Contacts that lie apart, no more than are needed.
@@ -403,6 +419,32 @@ mod tests {
         let marks = Landmarks::new(&room(), Vec::new());
         let seen = along(&[(0.5, 0.0), (2.5, 0.0)], &Pose::new(0.2, 0.1, 0.4));
         assert_ne!(marks.places(&seen, anywhere).len(), 1);
+    }
+
+    #[test]
+    fn a_leg_before_a_wall_may_be_another_one() {
+        // Two stand 0.4 m apart, and one of them only is on the map.
+        let leg = |x: f64| Ring::circle(Point::new(x, 0.25), 0.02);
+        let marks = Landmarks::new(&room(), vec![leg(2.0)]);
+        let around = |x: f64| {
+            (0..12).map(move |k| {
+                let away = angle::unit(angle::TAU * f64::from(k) / 12.0);
+                let middle = Point::new(x, 0.25);
+                let travelled = 0.05 * f64::from(k);
+                Seen { point: middle + away * 0.02, from: middle + away * 0.16, travelled }
+            })
+        };
+        let upright = |onto: &Pose| angle::wrap(onto.heading).abs() < 0.7;
+        let still = Pose::new(0.0, 0.0, 0.0);
+        let seen: Vec<Seen> = around(2.4).chain(along(&[(2.4, 0.0), (3.9, 0.0)], &still)).collect();
+        let places = marks.places(&seen, upright);
+        assert!(places.iter().all(|place| !place.is_sure()), "{places:?}");
+        // With the corner it knows.
+        let way = [(2.4, 0.0), (5.0, 0.0), (5.0, 1.0)];
+        let seen: Vec<Seen> = around(2.4).chain(along(&way, &still)).collect();
+        let places = marks.places(&seen, upright);
+        let [place] = &places[..] else { panic!("{places:?}") };
+        assert!(place.is_sure() && place.onto.position.coords.norm() < 0.01, "{place:?}");
     }
 
     #[test]

@@ -90,9 +90,11 @@ const DRIFT: f64 = 0.002;
 const FADING: f64 = 1.5;
 /// No answer that leaves the robot's place, or its heading, less sure than this: metres, radians.
 const SURE: (f64, f64) = (0.03, 0.02);
-/// Nor one that is less sure than this without what lies about any one place, as far as a leg or the end of a
-/// board with its foot on the wall reaches, metres.
+/// Nor one that fewer contacts than three would hold in some direction without those about any one place, as far as
+/// a leg or the end of a board with its foot on the wall reaches, metres: what they leave open, as variance of what
+/// one contact leaves open.
 const ONE_THING: f64 = 0.3;
+const HELD: f64 = 1.0 / 3.0;
 
 /// Everything that is mapped, to be recognised.
 #[derive(Debug, Clone)]
@@ -292,7 +294,7 @@ impl Landmarks {
         // What one thing alone holds in its place may be beside another one that looks like it.
         let without = |p: &Point| {
             let rest = rows.iter().filter(|(other, _)| (other - p).norm() > ONE_THING);
-            sd_by(information(rest)).is_some_and(is_sure)
+            information(rest).try_inverse().is_some_and(|all| all[(0, 0)] + all[(1, 1)] < HELD)
         };
         let sure = is_sure(sd) && rows.iter().all(|(p, _)| without(p));
         // What leaves a direction open slides: it is a rival to whatever else fits, but no answer.

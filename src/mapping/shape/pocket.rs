@@ -45,9 +45,11 @@ pub(super) fn without_pockets(contacts: &[Contact], reach: f64) -> Vec<Contact> 
 fn is_narrow(contacts: &[Contact], index: usize, reach: f64) -> bool {
     let seen = contacts[index];
     let here = seen.point - seen.from;
+    // Every contact is compared with every other one: most are far away, which is told without a root.
+    let near = (reach + SLACK).powi(2);
     contacts.iter().any(|other| {
         let there = other.point - seen.from;
-        there.norm() < reach + SLACK
+        there.norm_squared() < near
             && (other.point - seen.point).norm() < 2.0 * reach - Chassis::STRAIT_MARGIN
             && here.dot(&there) < -0.5 * here.norm() * there.norm()
     })

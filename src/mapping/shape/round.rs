@@ -74,6 +74,11 @@ fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
             round.abs() > 2.0 * WITHIN && whole / round - 1.0 > AS_MUCH && is_beside(i, k)
         }
     };
+    // Every contact is compared with every other one: most are far away, which is told first.
+    let reached: Vec<f64> = (0..contacts.len())
+        .map(|k| (SAME_PLACE + (at(k) - at(k.saturating_sub(1))).norm()).powi(2))
+        .collect();
+    let is_near = |i: usize, k: usize| (at(k) - at(i)).norm_squared() < reached[k];
     let is_past = |i: usize, k: usize| {
         let step = Piece::with_bulge(contacts[k - 1].from, contacts[k].from, 0.0);
         step.distance(contacts[i].from) < SAME_PLACE
@@ -82,7 +87,7 @@ fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
     let is_alike = |i: usize, k: usize| angle::wrap(bearings[i] - bearings[k]).abs() < SAME_SIDE;
     let pairs = (0..contacts.len()).flat_map(|i| (i + 1..contacts.len()).map(move |k| (i, k)));
     let mut back: Vec<(usize, usize)> =
-        pairs.filter(|&(i, k)| is_alike(i, k) && is_past(i, k)).collect();
+        pairs.filter(|&(i, k)| is_near(i, k) && is_alike(i, k) && is_past(i, k)).collect();
     // What is a round takes long to tell: the shortest are asked first.
     back.sort_by_key(|&(i, k)| k - i);
     back.into_iter().find(|&(i, k)| is_round(i, k))

@@ -347,11 +347,15 @@ impl Mission {
     /// Forgets what a switch that chatters made of the way in hand; what is mapped stays.
     fn begin_afresh(&mut self) {
         self.rest = AtRest { closed: self.closed, reason: DoneReason::Complete, ..self.rest };
-        match &mut self.task {
-            Task::Search(search) => **search = Search::new(&self.settings, self.rest.pose),
-            Task::Tour(tour) => tour.interrupt(&mut self.map),
-            Task::Retrace(_) | Task::Relocate(..) | Task::Shape | Task::Plan | Task::Over => {}
-        }
+        self.task = match std::mem::replace(&mut self.task, Task::Over) {
+            Task::Search(_) => Task::Search(Box::new(Search::new(&self.settings, self.rest.pose))),
+            Task::Tour(mut tour) => {
+                tour.interrupt(&mut self.map);
+                Task::Tour(tour)
+            }
+            Task::Relocate(_, tour) => Task::Relocate(Box::new(self.relocation(&tour)), tour),
+            task @ (Task::Retrace(_) | Task::Shape | Task::Plan | Task::Over) => task,
+        };
     }
 
     /// Decides what comes next: sends one command, or does a phase that needs none.

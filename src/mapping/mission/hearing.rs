@@ -36,6 +36,8 @@ impl Mission {
                 let travelled = self.tracker.travelled();
                 let seen = self.wall_mut().map(|wall| wall.observe(edge, pose, turning, travelled));
                 self.network_sees(seen.as_ref());
+                // Lost, its pose is no place of the map.
+                let seen = seen.filter(|_| self.lost.is_none());
                 let fixed = seen.and_then(|seen| match &mut self.task {
                     Task::Tour(tour) => tour.fix(&mut self.survey, pose, &seen),
                     Task::Retrace(retrace) => retrace.fix(&mut self.survey, pose, &seen),

@@ -42,7 +42,16 @@ impl Mission {
                 self.lose(about);
                 self.wait_for_word(EventKind::PlaceNeeded, out);
             }
-            (Task::Tour(mut tour) | Task::Relocate(_, mut tour), _) => {
+            (Task::Relocate(relocation, mut tour), _) => {
+                if self.doubts() {
+                    // Nobody will find out any more whether it was right to.
+                    self.take_back(&relocation, &mut tour, out);
+                }
+                tour.interrupt(&mut self.map);
+                self.task = Task::Tour(tour);
+                self.lose(about);
+            }
+            (Task::Tour(mut tour), _) => {
                 tour.interrupt(&mut self.map);
                 self.task = Task::Tour(tour);
                 self.lose(about);
@@ -81,9 +90,24 @@ impl Mission {
     }
 
     fn lose(&mut self, about: About) {
-        let since = self.lost.map_or(self.tracker.path().len(), |lost| lost.since);
+        if let Some(before) = self.lost {
+            self.tracker.forget(before.since);
+        }
+        let since = self.tracker.path().len();
         self.lost = Some(Lost { since, about, waits: false });
         self.network.break_off();
+    }
+
+    /// Whether it looks for its place since it doubts it.
+    fn doubts(&self) -> bool {
+        self.lost.is_some_and(|lost| lost.about.is_doubt())
+    }
+
+    /// Takes back what is not sure of what was done before the `relocation` began.
+    fn take_back(&mut self, relocation: &Relocation, tour: &mut Tour, out: &mut Vec<Output>) {
+        let mut told = Vec::new();
+        tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
+        self.tell_all(told, out);
     }
 
     /// What the robot met cannot be where it believes it is: it looks for its place, from beside that.
@@ -106,7 +130,7 @@ impl Mission {
         self.relocate(Box::new(relocation), tour, out);
     }
 
-    fn relocation(&self, tour: &Tour) -> Relocation {
+    pub(super) fn relocation(&self, tour: &Tour) -> Relocation {
         let about = self.lost.map_or(About::Nothing, |lost| lost.about);
         let chart = tour.chart();
         // What it mapped since its place was last sure may be where it is not.
@@ -126,7 +150,7 @@ impl Mission {
         mut tour: Box<Tour>,
         out: &mut Vec<Output>,
     ) {
-        let doubts = self.lost.is_some_and(|lost| lost.about.is_doubt());
+        let doubts = self.doubts();
         let mut told = Vec::new();
         let seek = relocation.next(&mut self.tracker, &self.rest, &mut told);
         self.rest.pose = self.tracker.pose();
@@ -166,9 +190,7 @@ impl Mission {
             }
             Seek::Unclear(places) => {
                 if doubts {
-                    let mut told = Vec::new();
-                    tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
-                    self.tell_all(told, out);
+                    self.take_back(&relocation, &mut tour, out);
                 }
                 self.task = Task::Tour(tour);
                 self.wait_for_word(EventKind::PlaceUnclear { places }, out);

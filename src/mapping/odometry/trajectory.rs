@@ -51,6 +51,12 @@ impl Tracker {
         self.settle(there(self.pose));
     }
 
+    /// What was driven since place `since` of the trajectory was believed in a frame that nobody will ever lay on
+    /// the map: the robot was put elsewhere before it had found its place.
+    pub fn forget(&mut self, since: usize) {
+        self.path.truncate(since);
+    }
+
     /// The robot was not carried before place `since` of the trajectory, from which on `onto` took it to the
     /// map, but came to be where it is on its way there: what was driven after `from_us` (robot time,
     /// microseconds) is moved by a part of that, in proportion to the way.

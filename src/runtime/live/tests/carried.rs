@@ -179,6 +179,12 @@ fn where_two_places_look_the_same_the_robot_asks() {
     let ending = rig.run.ending().expect("an ending");
     assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
     assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
+    // Where it drove while it looked in vain nobody knows: no way of it is on the map.
+    let map = rig.run.session().expect("a session").mission().map_now();
+    let way = |two: &[crate::mapping::map::PathPoint]| two[1].pose.position - two[0].pose.position;
+    let longest = map.path.windows(2).filter(|two| !two[1].carried).map(|two| way(two).norm());
+    assert!(longest.fold(0.0, f64::max) < 0.3, "it drove where it did not");
+    assert!(map.path.iter().all(|point| world.boundary.contains(point.pose.position)));
 }
 
 #[test]

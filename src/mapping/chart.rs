@@ -94,8 +94,7 @@ impl Chart {
         let boundary = Charted::new(&outline, &map.contacts, Hung::Along(0..lap_knots));
         let mut chart = Self { rings: vec![boundary] };
         for object in &map.objects {
-            let begin = object.contacts.first().map_or(0, Contact::time_us);
-            chart.add(object, Hung::Once(survey.tie(begin, lap_knots)));
+            chart.add(object, Hung::Once(survey.tie(object.seen_us().0, lap_knots)));
         }
         chart
     }

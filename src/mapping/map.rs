@@ -281,6 +281,14 @@ pub struct MappedObject {
 }
 
 impl MappedObject {
+    /// When the first and the last of its contacts were made, microseconds of robot time; 0 where there are none. They
+    /// lie in the order of its outline.
+    #[must_use]
+    pub fn seen_us(&self) -> (u64, u64) {
+        let times = || self.contacts.iter().map(Contact::time_us);
+        (times().min().unwrap_or(0), times().max().unwrap_or(0))
+    }
+
     /// How large it is, in words: its diameter, or the longer and the shorter side of the smallest rectangle
     /// about it. One that was not seen all round is at least as large. None where it has no extent.
     #[must_use]

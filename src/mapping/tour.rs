@@ -34,7 +34,7 @@ use super::retreat::Retreat;
 use super::settings::{Contour, Settings};
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
-use crate::geometry::{Point, Pose, Ring, Vector};
+use crate::geometry::{Point, Pose, Ring, Vector, angle};
 use crate::robot::Chassis;
 use bearings::Feeling;
 pub use doubt::Astray;
@@ -193,12 +193,22 @@ impl Tour {
     }
 
     /// What is left when the lines of the plan were driven: what is still hidden is driven through. What this
-    /// tour measured from what it stands beside is not measured again.
+    /// tour measured from what it stands beside is not measured again; and where it doubted its place, and since when
+    /// that is sure, stays known.
     #[must_use]
     pub fn of_the_rest(&self, settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
         let whole = Self::new(settings, map, survey);
-        let (tied, felt) = (self.tied.clone(), self.felt.clone());
-        Self { queue: VecDeque::new(), driven: whole.total, begun: true, tied, felt, ..whole }
+        Self {
+            queue: VecDeque::new(),
+            driven: whole.total,
+            begun: true,
+            tied: self.tied.clone(),
+            felt: self.felt.clone(),
+            sure: self.sure.clone(),
+            doubts: self.doubts.clone(),
+            settled_us: self.settled_us,
+            ..whole
+        }
     }
 
     /// Whether a line was begun.
@@ -241,8 +251,9 @@ impl Tour {
         let (off, whose) = self.chart.distance(seen.point);
         let fixed = self.chart.fix(survey, pose, seen)?;
         // An object may have been mapped by a robot that was astray already.
-        if whose.is_none() {
-            self.sure.touched(seen, off);
+        if let (None, Some(foot)) = (whose, self.chart.outline().nearest(seen.point)) {
+            let along = angle::of(self.chart.outline().pieces[foot.piece].tangent(foot.t));
+            self.sure.touched(along, off, seen.time_us);
         }
         self.fixed_by = Some(seen.time_us);
         Some(fixed)

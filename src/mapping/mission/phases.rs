@@ -83,8 +83,7 @@ impl Mission {
         let survey = &mut self.survey;
         let knots = survey.knots();
         for object in &mut self.map.objects {
-            let begin = object.contacts.first().map_or(0, Contact::time_us);
-            let tie = survey.tie(begin, knots);
+            let tie = survey.tie(object.seen_us().0, knots);
             object.displace(|p| survey.displacement(p, &tie));
         }
         for beyond in &mut self.map.beyond {

@@ -135,9 +135,7 @@ impl Mission {
         let chart = tour.chart();
         // What it mapped since its place was last sure may be where it is not.
         let until = if about.is_doubt() { tour.sure_us() } else { u64::MAX };
-        let known = |object: &MappedObject| {
-            object.closed && object.contacts.first().is_some_and(|seen| seen.time_us() <= until)
-        };
+        let known = |object: &MappedObject| object.closed && object.seen_us().1 <= until;
         let all = self.map.objects.iter().zip(chart.objects());
         let objects: Vec<Ring> =
             all.filter(|(object, _)| known(object)).map(|(_, ring)| ring.clone()).collect();

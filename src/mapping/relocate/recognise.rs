@@ -294,7 +294,9 @@ impl Landmarks {
         // What one thing alone holds in its place may be beside another one that looks like it.
         let without = |p: &Point| {
             let rest = rows.iter().filter(|(other, _)| (other - p).norm() > ONE_THING);
-            information(rest).try_inverse().is_some_and(|all| all[(0, 0)] + all[(1, 1)] < HELD)
+            // Where a direction is open the inverse may be anything, even less than nothing.
+            let left = information(rest).try_inverse().map(|all| all[(0, 0)] + all[(1, 1)]);
+            left.is_some_and(|left| (0.0..HELD).contains(&left))
         };
         let sure = is_sure(sd) && rows.iter().all(|(p, _)| without(p));
         // What leaves a direction open slides: it is a rival to whatever else fits, but no answer.

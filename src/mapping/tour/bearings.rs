@@ -8,7 +8,7 @@
 
 use super::drive::Purpose;
 use super::{Doing, Drive, ROOM, Scene, Tour};
-use crate::geometry::{Piece, Point, Ring, Vector, angle, perp};
+use crate::geometry::{Piece, Point, Ring, Vector, angle, cross, perp};
 use crate::mapping::event::EventKind;
 use crate::mapping::floor::Floor;
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
@@ -83,6 +83,8 @@ impl Spot {
 /// Feeling for the walls of a place.
 #[derive(Debug, Clone)]
 pub(super) struct Feeling {
+    /// Unit vectors towards all of them.
+    asked: Vec<Vector>,
     /// Unit vectors towards those that were not met yet.
     walls: VecDeque<Vector>,
     /// Metres to go at most, towards the first of them; none before it was faced.
@@ -98,8 +100,8 @@ pub(super) struct Feeling {
 
 impl Feeling {
     fn new(walls: Vec<Vector>, most: f64, begun_us: u64) -> Self {
-        let walls = walls.into();
-        Self { walls, left: None, most, missed: Vec::new(), begun_us, turned: false }
+        let (asked, walls) = (walls.clone(), walls.into());
+        Self { asked, walls, left: None, most, missed: Vec::new(), begun_us, turned: false }
     }
 
     /// The next motion of a robot with switch `front` ahead; none when there is no wall left to feel for.
@@ -288,10 +290,16 @@ impl Tour {
             since.filter(|seen| seen.alive).any(|seen| angle::unit(seen.beam).dot(wall) > ALONG)
         };
         let here = scene.rest.pose.position;
-        if feeling.missed.iter().all(met) {
+        if !feeling.missed.iter().all(met) {
+            if self.may_doubt(here) {
+                self.go_astray(here, None, scene);
+            }
+            return None;
+        }
+        // A wall alone leaves the way along it open.
+        let found: Vec<&Vector> = feeling.asked.iter().filter(|wall| met(wall)).collect();
+        if found.iter().any(|one| found.iter().any(|other| cross(**one, **other).abs() > ALONG)) {
             self.sure.at(scene.tracker.time_us());
-        } else if self.may_doubt(here) {
-            self.go_astray(here, None, scene);
         }
         None
     }

@@ -81,11 +81,6 @@ fn share(points: impl Iterator<Item = Point>, so: impl Fn(Point) -> bool) -> f64
     of / all.max(1.0)
 }
 
-/// When an object was first seen, robot time, microseconds.
-fn began(object: &MappedObject) -> u64 {
-    object.contacts.first().map_or(0, Contact::time_us)
-}
-
 /// Whether what is `one` is where the `other` is, or part of it.
 fn is_in(one: &Ring, other: &Ring) -> bool {
     let on = |p: Point| other.contains(p) || other.distance(p) < SAME_EDGE;
@@ -168,16 +163,16 @@ impl Tour {
         found.iter().map(|thing| &thing.outline).find(is_wrong).map(Ring::middle)
     }
 
-    /// The robot has found its place at `now_us`, robot time in microseconds: its last doubt was right. What
-    /// it left open since the doubt before leaves the map, for a robot that is astray takes a wall for
-    /// something that it cannot go round; what is there is met again.
+    /// The robot has found its place at `now_us`, robot time in microseconds: its last doubt is settled. What it
+    /// left open since the doubt before, and since its place was last sure, leaves the map, for a robot that is
+    /// astray takes a wall for something that it cannot go round; what is there is met again.
     pub fn settle_doubt(&mut self, now_us: u64, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
         if let Some(doubt) = self.doubts.last_mut() {
             doubt.settled = true;
         }
-        let since = std::mem::replace(&mut self.settled_us, now_us);
+        let since = std::mem::replace(&mut self.settled_us, now_us).max(self.sure_us());
         let open =
-            |object: &MappedObject| object.class == ObjectClass::Open && began(object) > since;
+            |object: &MappedObject| object.class == ObjectClass::Open && object.seen_us().0 > since;
         let wrong: Vec<bool> = map.objects.iter().map(open).collect();
         self.take_away(&wrong, map, tell);
     }
@@ -197,7 +192,7 @@ impl Tour {
     /// then: objects leave the map, lines are driven again, and where it was is not known to be swept.
     /// `until_us`, robot time in microseconds, is when it began to look for its place.
     pub fn take_back(&mut self, until_us: u64, map: &mut RoomMap, tell: &mut Vec<EventKind>) {
-        let since = |object: &MappedObject| began(object) > self.sure_us();
+        let since = |object: &MappedObject| object.seen_us().1 > self.sure_us();
         let wrong: Vec<bool> = map.objects.iter().map(since).collect();
         self.take_away(&wrong, map, tell);
         self.sure.was_not_until(until_us);

@@ -3,7 +3,6 @@
 //! and found, and where contacts of walls that run across each other lay where they had to.
 
 use crate::geometry::angle;
-use crate::mapping::wall::Sighting;
 
 /// A contact this near to what it is of, metres, says that the robot is where it believes it is, as far as
 /// one direction goes.
@@ -15,7 +14,7 @@ const ONE: f64 = angle::FRAC_PI_4;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sureness {
     since_us: u64,
-    /// The last contact in each direction that lay where it had to: direction of the beam, map frame, and
+    /// The last contact with walls of each direction that lay where it had to: along the wall, map frame, and
     /// robot time.
     agreed: Vec<(f64, u64)>,
     /// Lines that ended since: number, whether driven from the end, robot time.
@@ -42,17 +41,18 @@ impl Sureness {
         self.ended.retain(|(.., at)| *at > self.since_us);
     }
 
-    /// The boundary was touched `off` metres away from where it is mapped.
-    pub(super) fn touched(&mut self, seen: &Sighting, off: f64) {
+    /// The boundary was touched `off` metres away from where it is mapped, at `time_us` (robot time, microseconds),
+    /// where it runs `along` this direction. That of the beam says less: one wall is seen at many bearings.
+    pub(super) fn touched(&mut self, along: f64, off: f64, time_us: u64) {
         if off > AGREES {
             self.agreed.clear();
             return;
         }
-        let across = self.agreed.iter().filter(|(beam, _)| between(*beam, seen.beam) > ONE);
+        let across = self.agreed.iter().filter(|(other, _)| between(*other, along) > ONE);
         // Both agree: it was where it believed to be when the earlier one was made.
         let earlier = across.map(|(_, at)| *at).max();
-        self.agreed.retain(|(beam, _)| between(*beam, seen.beam) > ONE);
-        self.agreed.push((seen.beam, seen.time_us));
+        self.agreed.retain(|(other, _)| between(*other, along) > ONE);
+        self.agreed.push((along, time_us));
         if let Some(earlier) = earlier {
             self.at(earlier);
         }
@@ -83,25 +83,20 @@ impl Sureness {
 mod tests {
     use super::*;
 
-    /// A contact of a beam in this direction, degrees, at this time.
-    fn seen(beam: f64, time_us: u64) -> Sighting {
-        Sighting { beam: beam.to_radians(), time_us, ..Sighting::at(0.0, 0.0, 0.0) }
-    }
-
     #[test]
     fn walls_that_run_across_each_other_say_where_the_robot_was_at_the_earlier_contact() {
         let mut sure = Sureness::default();
-        sure.touched(&seen(0.0, 10), 0.01);
-        sure.touched(&seen(180.0, 20), 0.01);
-        sure.touched(&seen(10.0, 30), 0.02);
-        assert_eq!(sure.since_us(), 0, "one direction only");
-        sure.touched(&seen(95.0, 40), 0.01);
-        assert_eq!(sure.since_us(), 30);
-        sure.touched(&seen(-80.0, 50), 0.2);
-        sure.touched(&seen(0.0, 60), 0.01);
-        assert_eq!(sure.since_us(), 30, "it did not lie where it had to");
-        sure.touched(&seen(90.0, 70), 0.01);
-        assert_eq!(sure.since_us(), 60);
+        let mut touched = |along: f64, off: f64, time_us: u64| {
+            sure.touched(along.to_radians(), off, time_us);
+            sure.since_us()
+        };
+        touched(0.0, 0.01, 10);
+        touched(180.0, 0.01, 20);
+        assert_eq!(touched(10.0, 0.02, 30), 0, "one direction only");
+        assert_eq!(touched(95.0, 0.01, 40), 30);
+        touched(-80.0, 0.2, 50);
+        assert_eq!(touched(0.0, 0.01, 60), 30, "it did not lie where it had to");
+        assert_eq!(touched(90.0, 0.01, 70), 60);
     }
 
     #[test]

@@ -214,6 +214,7 @@ impl Session {
     pub fn intent(&mut self, intent: Intent, out: &mut Vec<Outgoing>) {
         self.version += 1;
         let over = matches!(self.run, RunState::Complete | RunState::Failed(_));
+        let moves = self.mission.is_moving();
         match intent {
             Intent::Stop => {
                 out.push(Outgoing::Stop);
@@ -252,7 +253,11 @@ impl Session {
             ),
             Intent::LapAnew => self.wish(
                 |mission, told| !over && mission.lap_anew(told),
-                "no lap is dropped: none has closed, or lines of the plan are driven already",
+                if moves {
+                    "no lap is dropped while the robot moves: stop it first"
+                } else {
+                    "no lap is dropped: none has closed, or lines of the plan are driven already"
+                },
                 out,
             ),
             Intent::Square => self.wish(
@@ -300,7 +305,7 @@ impl Session {
         let taken = wish(&mut self.mission, &mut outputs);
         self.pass_on(outputs, out);
         if !taken {
-            self.note(EventKind::Reason { why: refused.to_owned() }, out);
+            self.note(EventKind::Refused { why: refused.to_owned() }, out);
         }
     }
 

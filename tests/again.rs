@@ -146,6 +146,36 @@ fn a_lap_that_is_dropped_is_driven_anew() {
 }
 
 #[test]
+fn the_laps_are_dropped_in_the_middle_of_the_second_one_too() {
+    let world = world();
+    let settings = Settings { laps: 2, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::None);
+    run.intent(Intent::Run);
+    while told(&run, |kind| matches!(kind, EventKind::LapAgain { lap: 2 })) == 0 {
+        run.advance();
+    }
+    let refusals =
+        |run: &SimulatedRun<Sink>| told(run, |kind| matches!(kind, EventKind::Refused { .. }));
+    while !run.session().mission().is_moving() {
+        run.advance();
+    }
+    run.intent(Intent::LapAnew);
+    assert_eq!((run.snapshot().map.closed, refusals(&run)), (true, 1), "while it moves");
+    run.intent(Intent::Pause);
+    while run.session().mission().is_moving() {
+        run.advance();
+    }
+    run.intent(Intent::LapAnew);
+    assert_eq!((run.snapshot().map.closed, refusals(&run)), (false, 1));
+    run.intent(Intent::Run);
+    while run.is_under_way() {
+        run.advance();
+    }
+    assert_eq!(run.session().run_state(), RunState::Complete);
+    assert_eq!(run.snapshot().map.laps, 2);
+}
+
+#[test]
 fn squaring_is_told_and_undone_and_the_robot_drives_as_if_it_were_not() {
     let world = world();
     let run = |square: bool| {

@@ -201,8 +201,8 @@ fn export_hands_over_what_a_run_left() {
     let output = periplus(&["export", from, "--format", "svg", "--out", to]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(fs::read_to_string(&out).expect("the copy"), "<svg/>");
-    refused(&["export", from, "--format", "png", "--out", to], &["map.png", "finished run"]);
-    refused(&["export", from, "--format", "ros", "--out", to], &["map.json", "finished run"]);
+    refused(&["export", from, "--format", "png", "--out", to], &["map.png", "folder of a run"]);
+    refused(&["export", from, "--format", "ros", "--out", to], &["map.json", "folder of a run"]);
     let square = r#"{"periplus_map":1,"name":"a room","alpha":0.25,"gap":0.34,"start":[1,1,0],
         "boundary":[[0,0],[2,0],[2,2],[0,2]]}"#;
     fs::write(dir.join("map.json"), square).expect("a result");
@@ -416,6 +416,13 @@ fn a_frame_of_a_record() {
     assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
     assert_eq!(made.stdout, map, "{}", String::from_utf8_lossy(&made.stdout));
     assert!(String::from_utf8_lossy(&made.stderr).contains("made from its record"));
+    // Those that are older than the record, as when the run was taken up again, are not the run's.
+    fs::write(&there, "{}").expect("a file");
+    let old = fs::File::options().write(true).open(&there).expect("a file");
+    old.set_modified(std::time::UNIX_EPOCH).expect("a time");
+    let made = periplus(&["export", dir, "--format", "json", "--out", "-"]);
+    assert_eq!(made.stdout, map, "{}", String::from_utf8_lossy(&made.stdout));
+    assert!(String::from_utf8_lossy(&made.stderr).contains("went on after"));
 }
 
 #[test]

@@ -114,16 +114,44 @@ fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
     match std::fs::read(&path) {
         Ok(bytes) if bytes.is_empty() => refused("the file is empty"),
         Ok(bytes) if name.ends_with("json") && !is_json(&bytes) => refused("the file is damaged"),
+        Ok(bytes) if went_on_after(&args.dir, &path) => match rebuilt(&args.dir, name) {
+            Ok(Some(bytes)) => {
+                output::say(
+                    "periplus: the run went on after its results were written; this is made from its record",
+                );
+                Ok(bytes)
+            }
+            why => {
+                let why = why.err().map_or_else(String::new, |error| format!(" ({error})"));
+                output::say(&format!(
+                    "periplus: {} is older than the record of its run, which cannot be used{why}",
+                    path.display()
+                ));
+                Ok(bytes)
+            }
+        },
         Ok(bytes) => Ok(bytes),
         Err(error) if error.kind() == ErrorKind::NotFound => match rebuilt(&args.dir, name)? {
-            Some(bytes) => Ok(bytes),
+            Some(bytes) => {
+                output::say(
+                    "periplus: there are no results of the run yet; this is made from its record",
+                );
+                Ok(bytes)
+            }
             None => refused(&error.to_string()),
         },
         Err(error) => refused(&error.to_string()),
     }
 }
 
-/// The same made from the record of a run that left no results, because it was killed; none where there
+/// Whether the record of the run was written to after `result` was: a run that was taken up again, or went on after
+/// an export of the console, leaves what it had then until it ends.
+fn went_on_after(dir: &Path, result: &Path) -> bool {
+    let written = |path: &Path| std::fs::metadata(path).and_then(|data| data.modified()).ok();
+    written(&dir.join("journal")).zip(written(result)).is_some_and(|(record, of)| record > of)
+}
+
+/// The same made from the record of a run that has not left it, because it was killed or goes on; none where there
 /// is no record of anything.
 fn rebuilt(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, CommandError> {
     if !dir.join("journal").exists() {
@@ -144,7 +172,6 @@ fn rebuilt(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, CommandError> {
             .map_err(|error| CommandError::Input(format!("{name}: cannot be made: {error}")))?,
         _ => return Ok(None),
     };
-    output::say("periplus: the run left no results; this is made from its record");
     Ok(Some(bytes))
 }
 
@@ -155,7 +182,7 @@ fn is_json(bytes: &[u8]) -> bool {
 /// What to do about a result that is not there or not whole.
 fn why_missing(dir: &Path) -> String {
     if !dir.join("journal").exists() {
-        return "name the --out folder of a finished run".to_owned();
+        return "name the --out folder of a run".to_owned();
     }
     match crate::journal::read(dir) {
         Ok(_) => "remove it, and it is made again from the record of the run".to_owned(),

@@ -375,6 +375,11 @@ pub enum EventKind {
         /// In words.
         why: String,
     },
+    /// A wish of the operator that was not granted.
+    Refused {
+        /// Why, in words.
+        why: String,
+    },
     /// The bumper was pressed or the robot stalled.
     Bumped,
     /// Something is wrong with the link or the record.

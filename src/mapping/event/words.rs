@@ -100,7 +100,7 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
         EventKind::TapeLaid { mapped, taped, stretch } => write!(
             f,
-            "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map was stretched by {:+.2} %",
+            "taped length: {taped:.3} m, mapped as {mapped:.3} m; the map is stretched by {:+.2} %",
             (stretch - 1.0) * 100.0
         ),
         EventKind::TapeRefused { mapped, taped } => {
@@ -209,7 +209,7 @@ fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             width * 1e3
         ),
         EventKind::LapsWanted { laps } => {
-            write!(f, "{laps} laps in all, as soon as one has closed")
+            write!(f, "{laps} laps in all")
         }
         EventKind::LapAgain { lap } => write!(f, "lap {lap} begins, the other way round"),
         EventKind::LapAveraged { lap, touches, moved } => write!(
@@ -417,7 +417,7 @@ impl fmt::Display for EventKind {
             | Self::Tying { .. }
             | Self::AdjustedWhole { .. }
             | Self::GoesOn { .. } => fixes(f, self),
-            Self::Reason { why } => f.write_str(why),
+            Self::Reason { why } | Self::Refused { why } => f.write_str(why),
             Self::Alarm { what } => f.write_str(what),
             Self::Bumped => f.write_str("bumper"),
             Self::Odd { reason } => write!(f, "motion ended early: {reason}"),
@@ -463,6 +463,7 @@ impl EventKind {
             | Self::Bumped
             | Self::Odd { .. }
             | Self::Alarm { .. }
+            | Self::Refused { .. }
             | Self::Stopped => Severity::Warning,
             Self::Failed { .. } => Severity::Fault,
             _ => Severity::Notice,

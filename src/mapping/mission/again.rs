@@ -38,9 +38,12 @@ impl Mission {
     }
 
     /// Drops the lap, and the objects that were met before it; the boundary is looked for anew from where
-    /// the robot stands. False when there is none, or lines of the plan are driven already.
+    /// the robot stands. False when there is none, or lines of the plan are driven already; on a further lap, while
+    /// the robot moves.
     pub fn lap_anew(&mut self, out: &mut Vec<Output>) -> bool {
-        if !self.has_fresh_lap() {
+        let going = self.outcome == Outcome::Going && self.lost.is_none();
+        let again = matches!(self.task, Task::Retrace(_)) && going && !self.is_moving();
+        if !(again || self.has_fresh_lap()) {
             return false;
         }
         self.phase = Phase::Boundary;

@@ -28,7 +28,7 @@ impl Mission {
         let Some(length) = tape.on(&outline) else {
             return self.not_taped(Untaped::Nowhere, outline, out);
         };
-        let mapped = length.mapped;
+        let (mapped, before) = (length.mapped, self.tracker.stretched());
         if tape.stretch(length, self.tracker.stretched()).is_none() {
             return self.not_taped(Untaped::Refused { mapped, taped: tape.length }, outline, out);
         }
@@ -56,6 +56,8 @@ impl Mission {
             outline = fitted;
         }
         let stretch = self.tracker.stretched();
+        // As it was before any tape: that is what it is stretched from.
+        let mapped = mapped / before;
         self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
         self.map.untaped = None;
         self.tell(EventKind::TapeLaid { mapped, taped: tape.length, stretch }, out);

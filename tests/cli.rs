@@ -397,6 +397,23 @@ fn the_protocol_is_printed() {
 
 /// A record is played back to a frame; an instant beyond it is refused.
 #[test]
+fn flags_that_would_be_ignored_are_refused() {
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let out = place("ignored").join("run");
+    let out = out.to_str().expect("a path");
+    refused(
+        &["run", "--world", world, "--placed", "1,1,0", "--out", out],
+        &["--placed", "--resume DIR"],
+    );
+    refused(&["calibrate", "--world", world], &["periplus calibrate", "--out DIR"]);
+    refused(
+        &["calibrate", "--world", world, "--until", "boundary", "--out", out],
+        &["until", "shape at least"],
+    );
+    assert!(!std::path::Path::new(out).exists(), "nothing was begun");
+}
+
+#[test]
 fn a_frame_of_a_record() {
     let dir = place("replay").join("run");
     let dir = dir.to_str().expect("a path");

@@ -13,6 +13,14 @@ pub enum ArgumentError {
         /// The flag with its value.
         flag: &'static str,
     },
+    /// A flag that means nothing without another one.
+    #[error("{flag} is for a run that is taken up again: it needs {needs}")]
+    Alone {
+        /// The flag.
+        flag: &'static str,
+        /// The other one with its value.
+        needs: &'static str,
+    },
     /// α does not fit the room.
     #[error(
         "α of {alpha} m is larger than the room ({width:.2} x {height:.2} m): \

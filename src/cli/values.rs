@@ -123,13 +123,17 @@ impl Common {
     /// The flags together with what the file named by `--config` adds to them; flags win.
     ///
     /// # Errors
-    /// When the file cannot be read or a key or value in it is wrong, or when a flag asks for
-    /// what this version does not have.
+    /// When the file cannot be read or a key or value in it is wrong, or when a flag says nothing without another
+    /// one.
     pub fn with_config(mut self) -> Result<(Self, config::Places), ArgumentError> {
         let places = match self.robot.config.take() {
             Some(path) => config::read(&path, &mut self)?,
             None => config::Places::default(),
         };
+        // Clap waives what a flag requires where that is at odds with another flag, as --resume is with --out.
+        if self.keeping.placed.is_some() && self.keeping.resume.is_none() {
+            return Err(ArgumentError::Alone { flag: "--placed", needs: "--resume DIR" });
+        }
         Ok((self, places))
     }
 

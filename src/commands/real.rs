@@ -57,7 +57,7 @@ fn open(
     out: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
     if let Some(dir) = &common.keeping.resume {
-        return take_up(address, common, at_once, dir);
+        return take_up(address, common, (until, at_once), dir);
     }
     OutputFolder::refuse_taken(out)?;
     let plan = Plan { settings: settings(common)?, port: address.to_string(), until, at_once };
@@ -76,7 +76,7 @@ fn open(
 fn take_up(
     address: &Address,
     common: &Common,
-    at_once: bool,
+    (until, at_once): (Option<Phase>, bool),
     dir: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
     let refused = |why: String| CommandError::Input(format!("--resume {}: {why}", dir.display()));
@@ -89,6 +89,11 @@ fn take_up(
         refused("it was made in the simulator; the same seed makes it again".to_owned())
     })?;
     same_settings(&header.settings, common).map_err(refused)?;
+    if until.is_some() && until != header.until {
+        let told = |until: Option<Phase>| until.map_or("not given".to_owned(), |to| to.to_string());
+        let (was, now) = (told(header.until), told(until));
+        return Err(refused(format!("--until was {was} and is now {now}; leave it out to go on")));
+    }
     let mut replay = Replay::new(recording);
     replay.finish();
     if let Some(difference) = replay.difference() {

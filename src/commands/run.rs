@@ -20,13 +20,14 @@ fn map(args: RunArgs, told: Told) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
     let keeping = &common.keeping;
-    let out = keeping.resume.clone().or(keeping.out.clone()).ok_or_else(|| missing("--out DIR"))?;
+    let out = keeping.resume.clone().or(keeping.out.clone());
+    let out = out.ok_or_else(|| missing(told, "--out DIR"))?;
     if let Some(address) = real::address(&args.robot, places.port)? {
         return real::run(&address, &common, until, &out, told);
     }
     super::only_real(keeping.resume.as_deref())?;
     let world = args.robot.world.or(places.world);
-    let world = world.ok_or_else(|| missing("--world FILE or --port DEVICE"))?;
+    let world = world.ok_or_else(|| missing(told, "--world FILE or --port DEVICE"))?;
     OutputFolder::refuse_taken(&out)?;
     let world = world::load(&world, &common)?;
     let noise = common.robot.noise.unwrap_or_default();
@@ -67,6 +68,11 @@ pub fn calibrate(mut args: RunArgs) -> Result<u8, CommandError> {
     }
     args.common.mapping.laps = asked.mapping.laps.or(Some(BOTH_WAYS));
     args.until = args.until.or(places.until).or(Some(Phase::Shape));
+    if args.until == Some(Phase::Boundary) {
+        let why =
+            "until: shape at least, for the laps are laid on the walls, or nothing is measured";
+        return Err(CommandError::Input(why.to_owned()));
+    }
     map(args, Told::Measured)
 }
 
@@ -88,6 +94,10 @@ fn finish(
     Ok(status)
 }
 
-fn missing(flag: &'static str) -> ArgumentError {
-    ArgumentError::Missing { command: "run", flag }
+fn missing(told: Told, flag: &'static str) -> ArgumentError {
+    let command = match told {
+        Told::Ending => "run",
+        Told::Measured => "calibrate",
+    };
+    ArgumentError::Missing { command, flag }
 }

@@ -113,7 +113,7 @@ pub struct RobotArgs {
     /// Speak through a new pseudo-terminal, whose path is printed first
     #[arg(long, conflicts_with = "port")]
     pub pty: bool,
-    /// Speak through this serial port
+    /// Speak through this serial port, or to whoever comes to tcp://HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     pub port: Option<String>,
     /// Times as fast as life

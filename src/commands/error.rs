@@ -4,6 +4,7 @@ use crate::cli::ArgumentError;
 use crate::journal::JournalError;
 use crate::runtime::FolderError;
 use std::io;
+use std::path::PathBuf;
 
 /// Why a command could not be done.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +30,14 @@ pub enum CommandError {
     /// Whoever read standard output has gone; there is nobody to tell.
     #[error("standard output was closed")]
     ReaderGone,
+    /// The record of a run cannot be begun.
+    #[error("{}: cannot be written: {source}; is there room on the disk?", path.display())]
+    Unrecorded {
+        /// The record.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The system refused something.
     #[error("{what}: {source}")]
     System {
@@ -44,7 +53,7 @@ impl CommandError {
     #[must_use]
     pub fn status(&self) -> u8 {
         match self {
-            Self::System { .. } => 1,
+            Self::System { .. } | Self::Unrecorded { .. } => 1,
             Self::ReaderGone => 0,
             _ => 2,
         }

@@ -83,7 +83,7 @@ pub fn console(
     let (folder, file) = OutputFolder::create(&out)?;
     let journal = Journal::begin(file, &header).map_err(|source| {
         folder.discard_unbegun();
-        CommandError::System { what: "the record of the run", source }
+        CommandError::Unrecorded { path: folder.journal(), source }
     })?;
     let noise = common.robot.noise.unwrap_or_default();
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
@@ -216,11 +216,12 @@ pub fn snapshot_of_record(
     warn_torn(&recording);
     let mut replay = Replay::new(recording);
     let end = replay.duration();
-    if at > end {
+    // The end is named in hundredths.
+    if at > end + 0.005 {
         let why = format!("--at {at}: the record ends at {end:.2} s; name an earlier instant");
         return Err(CommandError::Input(why));
     }
-    replay.advance_to(at);
+    replay.advance_to(at.min(end));
     if let Some(difference) = replay.difference() {
         let why = format!(
             "the replay differs from the run: {difference}; was it made by another version?"

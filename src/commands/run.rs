@@ -42,7 +42,7 @@ fn map(args: RunArgs, told: Told) -> Result<u8, CommandError> {
     let (folder, file) = OutputFolder::create(&out)?;
     let journal = Journal::begin(file, &header).map_err(|source| {
         folder.discard_unbegun();
-        CommandError::System { what: "the record of the run", source }
+        CommandError::Unrecorded { path: folder.journal(), source }
     })?;
     let mut runner = glue::simulated(&world, &header, noise, journal)?;
     let signals = Signals::listen()

@@ -12,6 +12,7 @@ use super::prompt::Prompt;
 use super::view::log::scrolled;
 use super::view::map::viewport;
 use crate::geometry::Vector;
+use crate::mapping::event::Failure;
 use crate::mapping::settings::ALPHA;
 use crate::robot::Intent;
 use crate::session::snapshot::{Known, RunState, Snapshot};
@@ -251,6 +252,9 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
             return refuse_now(model, snapshot, format!("stopped: {clear} clears the stop first"));
         }
         RunState::Complete => return refuse(model, "the run is complete".to_owned()),
+        RunState::Failed(Failure::Ended) => {
+            return refuse(model, "the run was ended by the operator".to_owned());
+        }
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
         RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }

@@ -48,6 +48,12 @@ pub enum FolderError {
         /// The folder.
         path: PathBuf,
     },
+    /// There is something else.
+    #[error("{}: is no folder; name a new one", path.display())]
+    NoFolder {
+        /// What is there.
+        path: PathBuf,
+    },
     /// It cannot be made or written.
     #[error("{}: cannot be written: {reason}", path.display())]
     Unwritable {
@@ -95,6 +101,9 @@ impl OutputFolder {
     /// When it holds another run or cannot be written.
     pub fn create(path: &Path) -> Result<(Self, File), FolderError> {
         Self::refuse_taken(path)?;
+        if path.exists() && !path.is_dir() {
+            return Err(FolderError::NoFolder { path: path.to_owned() });
+        }
         fs::create_dir_all(path).map_err(|error| FolderError::unwritable(path, &error))?;
         let journal = path.join("journal");
         let unwritable = |error: io::Error| FolderError::unwritable(&journal, &error);

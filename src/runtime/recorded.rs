@@ -161,9 +161,11 @@ impl Driver for RecordedDriver {
 
     fn go_to(&mut self, seconds: f64) -> Result<String, String> {
         let end = self.replay.duration();
-        if seconds > end {
+        // The end is named in whole seconds.
+        if seconds > end + 0.5 {
             return Err(format!("the record ends at {end:.0} s"));
         }
+        let seconds = seconds.min(end);
         self.playing = false;
         if seconds < self.time() {
             // What the screen shows is another state, even if both have changed as often.

@@ -15,6 +15,8 @@ pub enum Signal {
     Terminate,
     /// The terminal is gone.
     HangUp,
+    /// A less polite kill, that asks for a core dump: none is left, but what is known is.
+    Quit,
 }
 
 impl Signal {
@@ -25,13 +27,14 @@ impl Signal {
             Self::Interrupt => 2,
             Self::Terminate => 15,
             Self::HangUp => 1,
+            Self::Quit => 3,
         }
     }
 
     /// The signal with this number, if it is one of these.
     #[must_use]
     pub fn numbered(number: u8) -> Option<Self> {
-        let mut all = [Self::Interrupt, Self::Terminate, Self::HangUp].into_iter();
+        let mut all = [Self::Interrupt, Self::Terminate, Self::HangUp, Self::Quit].into_iter();
         all.find(|signal| signal.number() == number)
     }
 
@@ -48,6 +51,7 @@ impl Signal {
             Self::Interrupt => "interrupt (Ctrl-C)",
             Self::Terminate => "the termination signal",
             Self::HangUp => "the terminal hanging up",
+            Self::Quit => "the quit signal",
         }
     }
 }
@@ -77,6 +81,7 @@ impl Signals {
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut terminate = signal(SignalKind::terminate())?;
         let mut hang_up = signal(SignalKind::hangup())?;
+        let mut quit = signal(SignalKind::quit())?;
         drop(guard);
         std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
             runtime.block_on(async {
@@ -85,6 +90,7 @@ impl Signals {
                         _ = interrupt.recv() => Signal::Interrupt,
                         _ = terminate.recv() => Signal::Terminate,
                         _ = hang_up.recv() => Signal::HangUp,
+                        _ = quit.recv() => Signal::Quit,
                     };
                     if heard.received().is_some() && signal != Signal::HangUp {
                         std::process::exit(i32::from(signal.status()));

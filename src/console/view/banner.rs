@@ -37,10 +37,8 @@ pub(super) fn draw(
             let lines = ["■ ■ ■   S T O P P E D   ■ ■ ■".to_owned(), how];
             draw_box(&mut pen, map, below, &lines, Role::Stopped);
         }
-        RunState::Failed(Failure::Ended) => {
-            let lines = ["■  ended by the operator", "what was mapped is kept"];
-            draw_box(&mut pen, map, below, &lines.map(str::to_owned), Role::Paused);
-        }
+        // Who ended it knows, and wants to see what there is of the map.
+        RunState::Failed(Failure::Ended) => {}
         RunState::Failed(why) => {
             let lines = ["✗  the run has ended".to_owned(), why.to_string()];
             draw_box(&mut pen, map, below, &lines, Role::Failed);

@@ -137,7 +137,7 @@ pub(super) fn draw_page(
     let frame = Rect::new(area.x, area.y + 1, area.width, area.height.saturating_sub(2));
     let mut pen = Pen::new(buf, theme, frame);
     pen.clear(frame);
-    let title = format!(" {name} · up and down scroll, any other key leaves ");
+    let title = format!(" {name} · arrows and pages scroll, any other key leaves ");
     pen.text(frame.x + 2, frame.y, &title, Role::Title);
     let shown = lines.iter().skip(usize::from(scroll));
     for (y, line) in (frame.y + 2..frame.bottom() - 1).zip(shown) {

@@ -114,17 +114,20 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// So many of what one of is called `name`.
+fn counted(count: usize, name: &str) -> String {
+    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
+}
+
 /// What the plan comes to.
 fn plan(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     let EventKind::PlanMade { lines, length, hidden_disc, over } = kind else { return Ok(()) };
     let disc = hidden_disc * 1e3;
-    match (lines, over) {
-        (0, false) => write!(f, "plan: no line needed, hidden disc {disc:.0} mm already"),
-        (_, false) => write!(f, "plan: {lines} lines, {length:.1} m, hidden disc {disc:.0} mm"),
-        (_, true) => {
-            write!(f, "plan: {lines} lines, {length:.1} m, hidden disc {disc:.0} mm, more than α")
-        }
+    if let (0, false) = (lines, over) {
+        return write!(f, "plan: no line needed, hidden disc {disc:.0} mm already");
     }
+    let (lines, more) = (counted(*lines, "line"), if *over { ", more than α" } else { "" });
+    write!(f, "plan: {lines}, {length:.1} m, hidden disc {disc:.0} mm{more}")
 }
 
 /// What is out of reach.
@@ -428,6 +431,7 @@ impl fmt::Display for EventKind {
                 write!(f, "the run was to end with the {phase} phase")
             }
             Self::Complete => f.write_str("map complete"),
+            Self::Failed { why: Failure::Ended } => f.write_str("run ended by the operator"),
             Self::Failed { why } => write!(f, "run ended: {why}"),
         }
     }

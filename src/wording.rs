@@ -27,7 +27,13 @@ pub fn error(metres: f64) -> String {
     if metres >= 10.0 {
         return format!("{metres:.1} m");
     }
-    format!("{:.0} mm", (metres * 1e3 - 1e-6).ceil().max(0.0))
+    format!("{:.0} mm", millimetres(metres))
+}
+
+/// A standard error in whole millimetres, rounded up.
+#[must_use]
+pub fn millimetres(metres: f64) -> f64 {
+    (metres * 1e3 - 1e-6).ceil().max(0.0)
 }
 
 /// A standard error of a direction, given in radians: hundredths of a degree, rounded up likewise.

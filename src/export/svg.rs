@@ -131,12 +131,27 @@ fn heading(
     let title = shortened(record.world, width - 2.0 * MARGIN, TITLE.height);
     let mut out = letters.text(&title, MARGIN, MARGIN + 14.0, Anchor::Start, TITLE);
     let mut y = MARGIN + 36.0;
-    for line in figures::lines(record, wall) {
-        let line = shortened(&line, width - 2.0 * MARGIN, FIGURES.height);
+    let lines = figures::lines(record, wall);
+    for line in lines.iter().flat_map(|line| wrapped(line, width - 2.0 * MARGIN, FIGURES.height)) {
         out.push_str(&letters.text(&line, MARGIN, y, Anchor::Start, FIGURES));
         y += 17.0;
     }
     (out, y + 4.0)
+}
+
+/// `text` in as many lines as it takes, each at most `widest` pixels wide.
+fn wrapped(text: &str, widest: f64, height: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(line)) if super::strokes::width(&longer, height) <= widest => {
+                *line = longer;
+            }
+            _ => lines.push(shortened(word, widest, height)),
+        }
+    }
+    lines
 }
 
 /// `text` cut so that it is at most `widest` pixels wide.

@@ -53,7 +53,7 @@ fn span((low, high): (f64, f64)) -> String {
 fn errors(record: &RunRecord<'_>) -> Option<String> {
     let known = record.map.accuracy.as_ref()?;
     let of = |name: &str, all: &[f64]| {
-        let mut sorted: Vec<f64> = all.iter().map(|metres| metres * 1e3).collect();
+        let mut sorted: Vec<f64> = all.iter().map(|metres| wording::millimetres(*metres)).collect();
         sorted.sort_by(f64::total_cmp);
         let (median, worst) = (sorted.get(sorted.len() / 2)?, sorted.last()?);
         Some(format!("{name} ± {median:.0} ({worst:.0}) mm"))

@@ -4,6 +4,7 @@ use super::super::RunRecord;
 use super::super::strokes::{Anchor, Lettering, width};
 use super::legend::TEXT;
 use super::{FIGURES, MARGIN};
+use crate::wording;
 
 /// From one line to the next, pixels.
 const LINE: f64 = 16.0;
@@ -46,7 +47,7 @@ pub(super) fn draw(
 fn entries(record: &RunRecord<'_>) -> Vec<Entry> {
     let error = |k: usize| {
         let known = record.map.accuracy.as_ref().and_then(|accuracy| accuracy.objects.get(k));
-        known.map_or_else(String::new, |error| format!("± {:.0} mm", error * 1e3))
+        known.map_or_else(String::new, |error| format!("± {}", wording::error(*error)))
     };
     let objects = record.map.objects.iter().enumerate();
     objects

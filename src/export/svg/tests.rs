@@ -213,7 +213,7 @@ fn room_and_objects_have_their_sizes() {
     for text in ["4.00 m", "3.00 m", "⌀ 0.40 m", "0.63 × 0.32 m", "≥ 0.28 × 0.21 m"] {
         assert!(drawing.contains(&format!("aria-label=\"{text}\"")), "no {text}: {drawing}");
     }
-    let errors = "walls ± 4 (4) mm, corners ± 8 (12) mm, objects ± 8 (8) mm";
+    let errors = "walls ± 4 (4) mm, corners ± 9 (13) mm, objects ± 8 (8) mm";
     assert!(drawing.contains(errors), "no standard errors");
     assert!(drawing.contains("37.6 m driven in 0:07:10"), "time is not as on the screen");
     // Many are told of in a table, with the standard error of each.
@@ -222,6 +222,17 @@ fn room_and_objects_have_their_sizes() {
     let drawing = drawn(&sample);
     assert_eq!(drawing.matches("aria-label=\"⌀ 0.40 m\"").count(), 20);
     assert_eq!(drawing.matches("aria-label=\"± 8 mm\"").count(), 3, "that many are known");
+}
+
+#[test]
+fn a_figure_that_is_wider_than_the_picture_goes_on_in_the_next_line() {
+    let text = "standard errors, median (worst): walls ± 4 (4) mm, corners ± 8 (12) mm";
+    let lines = wrapped(text, 200.0, FIGURES.height);
+    assert!(lines.len() > 1, "{lines:?}");
+    assert_eq!(lines.join(" "), text);
+    let widest = lines.iter().map(|line| crate::export::strokes::width(line, FIGURES.height));
+    assert!(widest.fold(0.0, f64::max) <= 200.0);
+    assert_eq!(wrapped("short", 200.0, FIGURES.height), ["short"]);
 }
 
 #[test]

@@ -15,7 +15,8 @@ impl fmt::Display for Failure {
             Self::Boxed => "the robot is held on all sides",
             Self::OutlineBroken => {
                 "the contacts make no simple closed outline around the robot's way: the lap errs by more \
-                 than walls are thick; a calibrated robot errs less (`periplus calibrate`)"
+                 than walls are thick (a calibrated robot errs less: `periplus calibrate`), or the room \
+                 is hardly wider than the robot"
             }
             Self::TooManyBumps => "too many bumps in one place",
             Self::WheelsLie => {

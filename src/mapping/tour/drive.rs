@@ -12,6 +12,9 @@ const STEP: f64 = 0.01;
 /// little better by then than when it was planned, and it may run along one.
 const NOT_MISSED: f64 = 0.15;
 
+/// What is shorter than this is one place, metres.
+const SPOT: f64 = 0.02;
+
 /// What of a line was not driven, and why.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LeftOut {
@@ -150,13 +153,28 @@ impl Drive {
         }
     }
 
+    /// The one place that it leads to, if it is no line.
+    fn spot(&self) -> Option<Point> {
+        ((self.to - self.from).norm() < SPOT).then_some(self.from)
+    }
+
+    /// Whether no piece of it was in hand yet.
+    fn is_fresh(&self) -> bool {
+        self.done <= 0.0 && self.piece_end <= 0.0
+    }
+
+    /// Whether the one place that it leads to was not reached: what was met on the way leaves it no room.
+    pub(super) fn has_lost_its_spot(&self) -> bool {
+        self.spot().is_some() && self.is_fresh()
+    }
+
     /// The next stretch, from what is done on, in which the body has `clearance`: metres along.
     pub(super) fn free_piece(&self, floor: &Floor, clearance: f64) -> Option<(f64, f64)> {
-        let length = (self.to - self.from).norm();
-        if length < 0.02 {
-            let fresh = self.done <= 0.0 && self.piece_end <= 0.0;
-            return (fresh && floor.clearance(self.from) >= clearance).then_some((0.0, 0.001));
+        if let Some(spot) = self.spot() {
+            let is_free = floor.clearance(spot) >= clearance;
+            return (self.is_fresh() && is_free).then_some((0.0, 0.001));
         }
+        let length = (self.to - self.from).norm();
         let steps = (length / STEP).ceil();
         let mut piece: Option<(f64, f64)> = None;
         for k in 0..=steps as u32 {
@@ -261,5 +279,17 @@ mod tests {
         assert!(!left_out.is_some());
         left_out.cut_off();
         assert_eq!(left_out.reason(), Some(LineReason::Unreachable));
+    }
+
+    #[test]
+    fn a_place_that_has_no_room_any_more_is_not_reached() {
+        let (room, thing) = (block((0.0, 0.0), (4.0, 2.0)), block((3.0, 0.8), (3.3, 1.2)));
+        let floor = Floor::new(&room, &[&thing], &Chassis::default(), Point::new(1.0, 1.0));
+        let to = |x: f64| Drive::new(0, Point::new(x, 1.0), Point::new(x, 1.0));
+        let (mut free, beside) = (to(2.0), to(2.95));
+        assert!(free.free_piece(&floor, CLEARANCE).is_some());
+        free.piece_end = 0.001;
+        assert!(free.free_piece(&floor, CLEARANCE).is_none() && !free.has_lost_its_spot());
+        assert!(beside.free_piece(&floor, CLEARANCE).is_none() && beside.has_lost_its_spot());
     }
 }

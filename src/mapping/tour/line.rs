@@ -198,6 +198,8 @@ impl Tour {
             let Some((begin, end)) = drive.free_piece(floor, clearance - 0.004) else {
                 if length - drive.done > NOTED {
                     drive.leave_out(drive.done, length, floor, clearance);
+                } else if drive.has_lost_its_spot() {
+                    drive.left_out.cut_off();
                 }
                 return false;
             };

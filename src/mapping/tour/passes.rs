@@ -7,7 +7,7 @@ use super::rounds::{Round, here};
 use super::{Doing, Scene, Tour};
 use crate::geometry::{Point, Pose, angle};
 use crate::mapping::circuit::Leg;
-use crate::mapping::event::EventKind;
+use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, Side};
 use crate::mapping::map::Contact;
 use crate::mapping::passing::{Passing, Way};
@@ -169,6 +169,21 @@ impl Tour {
         self.resume(pass.drive);
     }
 
+    /// The line of `drive` was driven the other way than one on which things were passed on one side: those that were
+    /// not met again are no more than what was seen of them.
+    pub(super) fn leave_open(&mut self, drive: &Drive, scene: &mut Scene<'_>) {
+        let halves = std::mem::take(&mut self.halves);
+        let is_missed = |half: &Half| half.line == drive.id && half.backwards != drive.backwards;
+        let (missed, kept): (Vec<Half>, Vec<Half>) = halves.into_iter().partition(is_missed);
+        self.halves = kept;
+        for half in missed {
+            if !self.is_known(&half.contacts) {
+                let id = scene.map.next_id();
+                self.record_open(id, half.contacts, Failure::OneSided, scene);
+            }
+        }
+    }
+
     /// What cannot be passed on both sides is gone round as a whole.
     fn all_the_way_round(&mut self, pass: Pass, scene: &Scene<'_>) {
         let Pass { passing, drive, .. } = pass;
@@ -180,8 +195,12 @@ impl Tour {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::room_gone_along;
     use super::*;
+    use crate::mapping::follow::AtRest;
     use crate::mapping::map::ContactKind;
+    use crate::mapping::survey::Survey;
+    use crate::robot::{DoneReason, SwitchSet};
 
     /// One side of a column of 0.3 m, from `begin` to `end` (degrees round its middle), on line 7.
     fn half(backwards: bool, begin: i32, end: i32) -> Half {
@@ -206,6 +225,41 @@ mod tests {
         assert!(!half.ends_at(&line(7, true), begin), "another thing on the same line");
         assert!(!half.ends_at(&line(7, false), end), "led back to where it met it first");
         assert!(!half.ends_at(&line(8, true), end));
+    }
+
+    #[test]
+    fn a_thing_that_is_not_met_on_the_way_back_stays_on_the_map_as_what_was_seen_of_it() {
+        let (settings, mut map, mut tracker) = room_gone_along(0.3);
+        let mut survey = Survey::new(0.003);
+        survey.mark(settings.start.position, 0);
+        let mut tour = Tour::new(&settings, &map, &survey);
+        // In the middle of the room.
+        let mut seen = half(false, 0, 170);
+        for contact in &mut seen.contacts {
+            let by = crate::geometry::Vector::new(1.5, 0.5);
+            (contact.point, contact.from) = (contact.point + by, contact.from + by);
+        }
+        tour.halves = vec![seen];
+        let (pose, closed, reason) = (settings.start, SwitchSet::EMPTY, DoneReason::Complete);
+        let mut told = Vec::new();
+        let scene = &mut Scene {
+            tracker: &mut tracker,
+            survey: &mut survey,
+            rest: AtRest { pose, closed, reason },
+            map: &mut map,
+            tell: &mut told,
+        };
+        let line = |backwards| Drive {
+            backwards,
+            ..Drive::new(7, Point::new(0.2, 0.5), Point::new(2.8, 0.5))
+        };
+        tour.leave_open(&line(false), scene);
+        assert_eq!((tour.halves.len(), scene.map.objects.len()), (1, 0), "it is on its way there");
+        tour.leave_open(&line(true), scene);
+        assert_eq!((tour.halves.len(), scene.map.objects.len()), (0, 1));
+        assert!(!scene.map.objects[0].closed);
+        let open = EventKind::ObjectOpen { id: 1, why: Failure::OneSided };
+        assert_eq!(scene.tell.last(), Some(&open));
     }
 
     #[test]

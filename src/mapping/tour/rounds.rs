@@ -162,20 +162,26 @@ impl Tour {
             self.go_astray(at, Some(beside), scene);
             return None;
         }
-        scene.tell.push(EventKind::ObjectOpen { id: round.id, why });
+        self.record_open(round.id, contacts, why, scene);
+        self.go_on(round.drive, scene)
+    }
+
+    /// Adds what `contacts` tell of something that was not gone round to map and chart, if they tell anything.
+    pub(super) fn record_open(
+        &mut self,
+        id: u32,
+        contacts: Vec<Contact>,
+        why: Failure,
+        scene: &mut Scene<'_>,
+    ) {
+        scene.tell.push(EventKind::ObjectOpen { id, why });
         if contacts.len() >= 3 {
             let (outline, _) = object_outline(&contacts, false);
-            let object = MappedObject {
-                id: round.id,
-                class: ObjectClass::Open,
-                outline,
-                closed: false,
-                contacts,
-            };
+            let class = ObjectClass::Open;
+            let object = MappedObject { id, class, outline, closed: false, contacts };
             let hung = Hung::Once(here(scene));
             self.record(object, hung, scene);
         }
-        self.go_on(round.drive, scene)
     }
 
     /// On along the line past what could not be gone round, but not for ever.

@@ -22,6 +22,7 @@ mod segment;
 mod split;
 mod spur;
 mod strait;
+mod stray;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

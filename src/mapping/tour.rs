@@ -313,6 +313,7 @@ impl Tour {
                         continue;
                     }
                     let Some(drive) = self.choose(scene) else {
+                        self.leave_open(scene);
                         // The floor that it stood on may have to be driven yet.
                         if self.take_away_impossible(scene) {
                             continue;

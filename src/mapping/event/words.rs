@@ -13,7 +13,7 @@ impl fmt::Display for Failure {
             Self::LapEndless => "the lap goes on without closing",
             Self::NoBoundary => "no boundary was met in any direction",
             Self::Boxed => "the robot is held on all sides",
-            Self::OneSided => "its other side was not met on the way back",
+            Self::OneSided => "its other side was not met",
             Self::OutlineBroken => {
                 "the contacts make no simple closed outline around the robot's way: the lap errs by more \
                  than walls are thick (a calibrated robot errs less: `periplus calibrate`), or the room \

@@ -247,7 +247,6 @@ impl Tour {
             None => EventKind::LineDriven { id: drive.id },
             Some(reason) => EventKind::LineEnded { id: drive.id, reason },
         });
-        self.leave_open(drive, scene);
         if drive.again {
             // Two-pass contour: the same line the other way, with the object on the same hand.
             self.queue.push_front((drive.id, !drive.backwards));

@@ -107,9 +107,11 @@ pub fn unmapped(
 ) -> Vec<Thing> {
     let surfaces: Vec<Contact> =
         contacts.iter().filter(|contact| contact.kind != ContactKind::Edge).copied().collect();
-    // A long side is touched seldom, but one touch after the other.
-    let together =
-        |one: usize, other: usize| one.abs_diff(other) == 1 || are_near(&surfaces, one, other);
+    // A long side is touched seldom, but one touch after the other; and the first follows the last.
+    let together = |one: usize, other: usize| {
+        let apart = one.abs_diff(other);
+        apart == 1 || apart + 1 == surfaces.len() || are_near(&surfaces, one, other)
+    };
     let groups = gone_round(&surfaces, |p| !beside(p), together);
     let of = |group: Vec<usize>| group.into_iter().map(|k| surfaces[k]).collect();
     let found = groups.into_iter().flat_map(|group| things(of(group), strokes, chassis));
@@ -218,10 +220,14 @@ mod tests {
         let known = along(&[(3.0, 1.0), (1.3, 1.0)], 1.0);
         let wedge = [(0.0, 1.0), (1.0, 0.9), (1.0, 1.1), (0.0, 1.0)];
         let seldom = along(&wedge, -1.0).into_iter().step_by(4);
-        let seen: Vec<Contact> = seldom.chain(known).collect();
-        let things = unmapped(&seen, |p| p.x > 1.25, &[], &Chassis::default());
-        let [thing] = &things[..] else { panic!("{things:?}") };
-        assert!((thing.outline.area() - 0.1).abs() < 0.01, "{:?}", thing.outline);
+        let mut seen: Vec<Contact> = seldom.chain(known).collect();
+        // The round may begin in the middle of a side.
+        for begun in [0, 2] {
+            seen.rotate_left(begun);
+            let things = unmapped(&seen, |p| p.x > 1.25, &[], &Chassis::default());
+            let [thing] = &things[..] else { panic!("{begun}: {things:?}") };
+            assert!((thing.outline.area() - 0.1).abs() < 0.01, "{:?}", thing.outline);
+        }
     }
 
     #[test]

@@ -116,6 +116,14 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// That the run is over short of its goal.
+fn ended(f: &mut fmt::Formatter<'_>, why: Failure) -> fmt::Result {
+    match why {
+        Failure::Ended => write!(f, "run {why}"),
+        _ => write!(f, "run ended: {why}"),
+    }
+}
+
 /// So many of what one of is called `name`.
 fn counted(count: usize, name: &str) -> String {
     if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
@@ -433,8 +441,7 @@ impl fmt::Display for EventKind {
                 write!(f, "the run was to end with the {phase} phase")
             }
             Self::Complete => f.write_str("map complete"),
-            Self::Failed { why: Failure::Ended } => f.write_str("run ended by the operator"),
-            Self::Failed { why } => write!(f, "run ended: {why}"),
+            Self::Failed { why } => ended(f, *why),
         }
     }
 }

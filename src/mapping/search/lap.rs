@@ -47,7 +47,7 @@ pub fn straight_contacts(
     let mut contacts = lap_contacts(wall, closure, adjustment);
     adjustment.part(&mut contacts, chassis.reach());
     let strokes = lap_strokes(wall, closure, adjustment);
-    let seen = things(contacts.clone(), &strokes, chassis);
+    let seen = things(&contacts, &strokes, chassis);
     adjustment.straighten(&mut contacts, seen.iter().map(|thing| &thing.outline));
     adjustment.part(&mut contacts, chassis.reach());
     contacts
@@ -73,7 +73,7 @@ pub fn lap_things(
         }
     }
     let strokes = lap_strokes(wall, closure, adjustment);
-    things(contacts, &strokes, chassis)
+    things(&contacts, &strokes, chassis)
 }
 
 /// The way of one lap, adjusted.

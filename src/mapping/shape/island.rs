@@ -113,8 +113,8 @@ pub fn unmapped(
         apart == 1 || apart + 1 == surfaces.len() || are_near(&surfaces, one, other)
     };
     let groups = gone_round(&surfaces, |p| !beside(p), together);
-    let of = |group: Vec<usize>| group.into_iter().map(|k| surfaces[k]).collect();
-    let found = groups.into_iter().flat_map(|group| things(of(group), strokes, chassis));
+    let of = |group: Vec<usize>| group.into_iter().map(|k| surfaces[k]).collect::<Vec<Contact>>();
+    let found = groups.into_iter().flat_map(|group| things(&of(group), strokes, chassis));
     found.filter(Thing::is_drawn).collect()
 }
 
@@ -139,7 +139,9 @@ fn gone_round(
         groups.push(joined.into_iter().flatten().chain([k]).collect());
     }
     groups.retain(|group| is_gone_round(group.iter().map(|&k| &contacts[k])));
-    groups.iter_mut().for_each(|group| group.sort_unstable());
+    for group in &mut groups {
+        group.sort_unstable();
+    }
     groups
 }
 

@@ -132,7 +132,7 @@ impl Thing {
 /// What was gone round once, all the way, as one: mostly one thing, several where the robot does not
 /// fit between them but saw, on the way of `strokes`, that they are apart.
 #[must_use]
-pub fn things(contacts: Vec<Contact>, strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
+pub fn things(contacts: &[Contact], strokes: &[Stroke], chassis: &Chassis) -> Vec<Thing> {
     let contacts = super::stray::without_strays(contacts, chassis);
     match super::divide::divided(&contacts, strokes, chassis) {
         Some(parts) => parts.into_iter().flat_map(|part| necked(part, strokes, chassis)).collect(),

@@ -14,7 +14,7 @@ const ELSEWHERE: f64 = 0.03;
 
 /// `contacts` without the touches that were of something else than lies there: nothing else was made near them from
 /// another place, and what was seen lies at the rim of the body where it was touched.
-pub(super) fn without_strays(contacts: Vec<Contact>, chassis: &Chassis) -> Vec<Contact> {
+pub(super) fn without_strays(contacts: &[Contact], chassis: &Chassis) -> Vec<Contact> {
     let is_guess = |c: &Contact| c.kind == ContactKind::Touch && c.sensor.is_none();
     let is_stray = |touch: &Contact| {
         let is_backed = |other: &Contact| {
@@ -58,11 +58,11 @@ mod tests {
     fn a_touch_that_was_guessed_on_the_wrong_side_is_no_part_of_a_leg() {
         let chassis = Chassis::default();
         let with = |bearing: f64| [vec![touch(bearing)], leg()].concat();
-        let wrong = without_strays(with(1.8), &chassis);
+        let wrong = without_strays(&with(1.8), &chassis);
         assert_eq!(wrong, leg());
         let right = with(angle::PI);
-        assert_eq!(without_strays(right.clone(), &chassis), right);
-        let [thing] = &things(with(1.8), &[], &chassis)[..] else { panic!("one leg") };
+        assert_eq!(without_strays(&right, &chassis), right);
+        let [thing] = &things(&with(1.8), &[], &chassis)[..] else { panic!("one leg") };
         assert!(thing.outline.middle().coords.norm() < 0.003, "{:?}", thing.outline);
     }
 
@@ -74,11 +74,11 @@ mod tests {
         let far =
             Contact { from: away, point: away + angle::unit(1.0) * chassis.radius, ..touch(0.0) };
         let all = [leg(), vec![far]].concat();
-        assert_eq!(without_strays(all.clone(), &chassis), all);
+        assert_eq!(without_strays(&all, &chassis), all);
         // Another one, made from elsewhere, lies there too.
         let two = touch(1.8);
         let other = Contact { from: two.from + angle::unit(1.8) * 0.2, point: two.point, ..two };
         let all = [leg(), vec![two, other]].concat();
-        assert_eq!(without_strays(all.clone(), &chassis), all);
+        assert_eq!(without_strays(&all, &chassis), all);
     }
 }

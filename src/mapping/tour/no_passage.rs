@@ -106,7 +106,7 @@ impl Tour {
             scene.tell.push(EventKind::ObjectKnown { id: round.id });
             return self.go_on(round.drive, scene);
         }
-        for thing in things(contacts, round.circuit.wall.strokes(), &self.chassis) {
+        for thing in things(&contacts, round.circuit.wall.strokes(), &self.chassis) {
             let id = scene.map.next_id();
             self.record(
                 MappedObject { closed: false, ..thing.numbered(id) },

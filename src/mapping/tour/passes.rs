@@ -157,7 +157,7 @@ impl Tour {
         pass: Pass,
         scene: &mut Scene<'_>,
     ) {
-        let found = things(contacts, &way, &self.chassis);
+        let found = things(&contacts, &way, &self.chassis);
         if let Some(at) = self.cannot_be(&found, scene) {
             // It is past it, and beside nothing.
             self.doing = Doing::Driving(pass.drive);

@@ -214,7 +214,7 @@ impl Session {
     pub fn intent(&mut self, intent: Intent, out: &mut Vec<Outgoing>) {
         self.version += 1;
         let over = matches!(self.run, RunState::Complete | RunState::Failed(_));
-        let moves = self.mission.is_moving();
+        let no_lap_dropped = self.no_lap_dropped();
         match intent {
             Intent::Stop => {
                 out.push(Outgoing::Stop);
@@ -251,15 +251,9 @@ impl Session {
                 "no lap now: lines of the plan are driven already, or the run is over",
                 out,
             ),
-            Intent::LapAnew => self.wish(
-                |mission, told| !over && mission.lap_anew(told),
-                if moves {
-                    "no lap is dropped while the robot moves: stop it first"
-                } else {
-                    "no lap is dropped: none has closed, or lines of the plan are driven already"
-                },
-                out,
-            ),
+            Intent::LapAnew => {
+                self.wish(|mission, told| !over && mission.lap_anew(told), no_lap_dropped, out);
+            }
             Intent::Square => self.wish(
                 |mission, told| {
                     mission.toggle_square(told);
@@ -292,6 +286,16 @@ impl Session {
             Intent::StepPhase => self.run = RunState::Stepping(Step::Phase),
         }
         self.go_on(out);
+    }
+
+    /// Why no lap can be dropped, where none can.
+    fn no_lap_dropped(&self) -> &'static str {
+        let again = self.mission.phase() == Phase::Boundary && self.mission.map().closed;
+        if again && self.mission.is_moving() {
+            "no lap is dropped while the robot moves: stop it first"
+        } else {
+            "no lap is dropped: none has closed, or lines of the plan are driven already"
+        }
     }
 
     /// Passes a wish on to the mission; tells why when it is `refused`.

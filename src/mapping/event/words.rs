@@ -4,6 +4,7 @@ use super::{EventKind, Failure, Severity};
 use crate::mapping::map::{LineReason, ObjectClass, Phase, ShapeClass};
 use crate::mapping::tape::Untaped;
 use crate::mapping::trust::Defect;
+use crate::wording;
 use std::fmt;
 
 impl fmt::Display for Failure {
@@ -124,11 +125,6 @@ fn ended(f: &mut fmt::Formatter<'_>, why: Failure) -> fmt::Result {
     }
 }
 
-/// So many of what one of is called `name`.
-fn counted(count: usize, name: &str) -> String {
-    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
-}
-
 /// What the plan comes to.
 fn plan(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     let EventKind::PlanMade { lines, length, hidden_disc, over } = kind else { return Ok(()) };
@@ -136,7 +132,8 @@ fn plan(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     if let (0, false) = (lines, over) {
         return write!(f, "plan: no line needed, hidden disc {disc:.0} mm already");
     }
-    let (lines, more) = (counted(*lines, "line"), if *over { ", more than α" } else { "" });
+    let lines = wording::count(*lines, "line", "lines");
+    let more = if *over { ", more than α" } else { "" };
     write!(f, "plan: {lines}, {length:.1} m, hidden disc {disc:.0} mm{more}")
 }
 

@@ -1,6 +1,6 @@
 //! Past an object on one side, to the end of the line, and past it on the other side when the line is driven the
 //! other way (paper III.F; two-pass contour). Both sides together go round it; where they do not, it is gone
-//! round as a whole, which is for `rounds`.
+//! round as a whole, which is for `rounds`; and what is met on no line again is left open.
 
 use super::drive::Drive;
 use super::rounds::{Round, here};

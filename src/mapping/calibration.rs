@@ -56,19 +56,19 @@ impl Calibration {
     #[must_use]
     pub fn of(survey: &Survey, chassis: &Chassis, driven: &Driven) -> Self {
         let Driven { drift, stretch, lap } = *driven;
-        let own = survey.of_the_robot();
+        let errs = survey.of_the_robot();
         let whole_turns = HEADING_WALK * (2.0 * lap).sqrt() / (2.0 * angle::TAU);
         let base = chassis.wheel_base;
         let straight = base * stretch;
         let value = |value: f64, sd: f64| Measured { value, sd };
         Self {
             wheel_base: value(
-                straight / (1.0 + own.track.value),
-                straight * own.track.sd.max(whole_turns),
+                straight / (1.0 - errs.track.value),
+                straight * errs.track.sd.max(whole_turns),
             ),
-            wheel_ratio: value(1.0 - own.wheels.value * base, own.wheels.sd * base),
-            gyro_scale: value(1.0 / (1.0 + own.scale.value), own.scale.sd.max(whole_turns)),
-            gyro_drift: value(drift - own.bias.value, own.bias.sd),
+            wheel_ratio: value(1.0 + errs.wheels.value * base, errs.wheels.sd * base),
+            gyro_scale: value(1.0 / (1.0 - errs.scale.value), errs.scale.sd.max(whole_turns)),
+            gyro_drift: value(drift + errs.drift.value, errs.drift.sd),
             tick: chassis.tick * stretch,
         }
     }

@@ -106,7 +106,8 @@ pub struct Mission {
     began: bool,
     laps: u32,
     lost: Option<Lost>,
-    /// How often in a row it doubted its place and did not find it.
+    /// How often it doubted its place and did not find it, since it found it last: walls that lie where they have
+    /// to in between do not begin the count anew, since a robot that doubts again was somewhere else all the same.
     unfound: u32,
     /// The way of the first lap, as its contacts are believed.
     way: Vec<Stroke>,

@@ -83,30 +83,18 @@ impl Tie {
     }
 }
 
-/// What is believed of the robot's own errors: what has to be added to what gyro and wheels say.
+/// What the robot itself does wrong: what has to be taken off what gyro and wheels say. Figures, or [`Measured`]
+/// ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Own {
-    /// Of the gyro, for every second, radians, beyond the drift that was taken out.
-    pub bias: Measured,
-    /// Of the gyro, as a share of each turn.
-    pub scale: Measured,
-    /// Of the wheels' turn, for every metre ahead, radians.
-    pub wheels: Measured,
-    /// Of the wheels' turn, as a share of it.
-    pub track: Measured,
-}
-
-/// What the robot itself does wrong, as it comes out when all is adjusted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SystematicErrors {
-    /// What the gyro drifts, radians per second.
-    pub drift: f64,
-    /// By which share of each turn the gyro tells too much.
-    pub scale: f64,
+pub struct SystematicErrors<T = f64> {
+    /// What the gyro drifts, radians per second, beyond what was taken out already.
+    pub drift: T,
+    /// By which share of each turn that it tells the gyro tells too much.
+    pub scale: T,
     /// What the wheels turn by their own account where the robot goes straight, radians per metre.
-    pub wheels: f64,
-    /// By which share of each turn the wheels tell too much.
-    pub track: f64,
+    pub wheels: T,
+    /// By which share of each turn that they tell the wheels tell too much.
+    pub track: T,
 }
 
 /// The filter.
@@ -185,7 +173,7 @@ impl Survey {
     /// The robot errs as came out when all was adjusted at once, its drift apart: that is known from what the filter
     /// learnt too, and from all that it could not go back to. It is no surer of it than it was.
     pub fn errs(&mut self, errors: &SystematicErrors) {
-        // What has to be added is the other way round.
+        // The filter knows what has to be added.
         for (row, fault) in [(SCALE, errors.scale), (WHEELS, errors.wheels), (TRACK, errors.track)]
         {
             self.mean[row] = -fault;
@@ -195,12 +183,13 @@ impl Survey {
 
     /// What it believes of the robot itself.
     #[must_use]
-    pub fn of_the_robot(&self) -> Own {
+    pub fn of_the_robot(&self) -> SystematicErrors<Measured> {
+        // The filter knows what has to be added.
         let of = |row: usize| Measured {
-            value: self.mean[row],
+            value: -self.mean[row],
             sd: self.covariance[(row, row)].max(0.0).sqrt(),
         };
-        Own { bias: of(BIAS), scale: of(SCALE), wheels: of(WHEELS), track: of(TRACK) }
+        SystematicErrors { drift: of(BIAS), scale: of(SCALE), wheels: of(WHEELS), track: of(TRACK) }
     }
 
     /// How the wheels hold this floor and how still the gyro is, by the straight drives: variance of the

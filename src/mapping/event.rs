@@ -427,6 +427,8 @@ pub enum Failure {
     NoBoundary,
     /// The robot cannot move: it is held on all sides.
     Boxed,
+    /// The robot does not get out of a pocket that it came into.
+    Pocketed,
     /// Of two sides to be passed one after the other only one was met.
     OneSided,
     /// The contacts make no simple closed outline.

@@ -4,7 +4,7 @@
 //! its walls; or what is mapped leaves it no way out of where it stands, and it stands there all the same. Knows
 //! the way, and nothing of what is about it.
 
-use crate::geometry::{Point, Ring, angle, cross};
+use crate::geometry::{Point, Pose, Ring, Vector, angle, cross};
 use crate::mapping::follow::{Ask, AtRest, STRIDE};
 use crate::mapping::map::PathPoint;
 use crate::robot::{DoneReason, Guard, Motion};
@@ -18,6 +18,16 @@ const ASTRAY: f64 = 0.01;
 const REACHED: f64 = 0.02;
 /// Smaller turns are not worth a motion, radians.
 const FACING: f64 = 0.01;
+/// What it hits, it backs off from by this, metres, ...
+const BACK_OFF: f64 = 0.05;
+/// ... and passes so far to the left, metres: it hit a jamb, and which of the two its bumper does not say.
+const BESIDE: [f64; 4] = [0.02, -0.02, 0.04, -0.04];
+/// After this many metres beside the way it goes on as it was.
+const PAST: f64 = 0.2;
+/// Farther along the way than this, metres, ...
+const ROUND: f64 = 0.4;
+/// ... it came back to a place when it was as near to it as this, metres.
+const BACK: f64 = 0.04;
 
 /// A way back.
 #[derive(Debug, Clone)]
@@ -28,37 +38,38 @@ pub(super) struct Retreat {
     why: &'static str,
     /// A motion of it was asked for: what ended the one before says nothing of the way.
     begun: bool,
+    /// Where it hit something, looking along the way, and how often.
+    hit: Option<Pose>,
+    hits: usize,
 }
 
 impl Retreat {
     /// The way back from a lap that closed round its inside, by `path`, to where the robot was at
-    /// `begun_us` (robot time); none when that is within the lap, which then is of the room. The lap was driven
-    /// between the two times of `lap_us`.
+    /// `begun_us` (robot time), and the way round; none when that is within the lap, which then is of the room. The
+    /// lap was driven between the two times of `lap_us`.
     pub(super) fn from_pocket(
         path: &[PathPoint],
         begun_us: u64,
         lap_us: (u64, u64),
-    ) -> Option<Self> {
-        let between = |from: u64, to: u64| {
-            let first = path.partition_point(|point| point.time_us < from);
-            let end = path.partition_point(|point| point.time_us <= to);
-            path[first..end.max(first)].iter().map(|point| point.pose.position)
-        };
+    ) -> Option<(Self, Ring)> {
         let (from, to) = lap_us;
-        let begun = between(begun_us, from).next()?;
-        let round = Ring::polygon(&straightened(between(from, to)));
+        let begun = between(path, begun_us, from).next()?;
+        let round = Ring::polygon(&straightened(between(path, from, to)));
         if round.contains(begun) || round.distance(begun) < OUTSIDE {
             return None;
         }
-        let mut way = straightened(between(begun_us, from));
-        way.extend(straightened(between(to, u64::MAX)));
-        Some(Self { way, why: "went round a pocket: back by the way it came", begun: false })
+        let there = between(path, begun_us, from).chain(between(path, to, u64::MAX));
+        let way = straightened(without_rounds(there).into_iter());
+        Some((Self::along(way, "went round a pocket: back by the way it came"), round))
+    }
+
+    fn along(way: Vec<Point>, why: &'static str) -> Self {
+        Self { way, why, begun: false, hit: None, hits: 0 }
     }
 
     /// The way back by `way`, which led from its first place into a pocket.
     pub(super) fn by(way: impl Iterator<Item = Point>) -> Self {
-        let way = straightened(way);
-        Self { way, why: "round and round in a pocket: back by the way it came", begun: false }
+        Self::along(straightened(way), "round and round in a pocket: back by the way it came")
     }
 
     /// The way back by `path` to the last place that `is_free`; none when the robot came by none, or was
@@ -67,16 +78,29 @@ impl Retreat {
         let begun = path.iter().rposition(|point| point.carried).unwrap_or(0);
         let since = path[begun..].iter().rposition(|point| is_free(point.pose.position))?;
         let way = straightened(path[begun + since..].iter().map(|point| point.pose.position));
-        Some(Self { way, why: "shut in by what is mapped: back by the way it came", begun: false })
+        Some(Self::along(way, "shut in by what is mapped: back by the way it came"))
+    }
+
+    /// Whether it came to the end of the way.
+    pub(super) fn is_back(&self) -> bool {
+        self.way.is_empty()
     }
 
     /// The next motion on the way back; none when it is at its end, or something is in the way.
     pub(super) fn next(&mut self, rest: &AtRest) -> Option<Ask> {
         let begun = std::mem::replace(&mut self.begun, true);
-        if begun && matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
-            return None;
-        }
         let pose = rest.pose;
+        if begun && matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
+            if self.hits == BESIDE.len() || self.hit.is_some() {
+                return None;
+            }
+            self.hit = Some(pose);
+            let motion = Motion::Move { distance: -BACK_OFF, speed: f64::INFINITY };
+            return Some(Ask { motion, guard: Guard::default(), why: self.why });
+        }
+        if let Some(hit) = self.hit.take() {
+            self.pass_beside(hit);
+        }
         while self.way.last().is_some_and(|place| (place - pose.position).norm() < REACHED) {
             self.way.pop();
         }
@@ -89,6 +113,39 @@ impl Retreat {
         };
         Some(Ask { motion, guard: Guard::default(), why: self.why })
     }
+
+    /// Past what it `hit`, beside the way.
+    fn pass_beside(&mut self, hit: Pose) {
+        let Some(last) = self.way.last() else { return };
+        let past = (last - hit.position).norm().min(PAST);
+        let beside = hit.position + hit.rotate(Vector::new(0.0, BESIDE[self.hits]));
+        self.hits += 1;
+        self.way.push(beside + hit.direction() * past);
+        self.way.push(beside);
+    }
+}
+
+/// Where the robot was between two robot times.
+fn between(path: &[PathPoint], from: u64, to: u64) -> impl Iterator<Item = Point> {
+    let first = path.partition_point(|point| point.time_us < from);
+    let end = path.partition_point(|point| point.time_us <= to);
+    path[first..end.max(first)].iter().map(|point| point.pose.position)
+}
+
+/// A way without what only led back to where it had been.
+fn without_rounds(way: impl Iterator<Item = Point>) -> Vec<Point> {
+    // With how far along it is.
+    let mut kept: Vec<(Point, f64)> = Vec::new();
+    for place in way {
+        let along = kept.last().map_or(0.0, |(last, along)| along + (place - last).norm());
+        let is_there = |(p, at): &(Point, f64)| along - at > ROUND && (place - p).norm() < BACK;
+        if let Some(back) = kept.iter().position(is_there) {
+            kept.truncate(back + 1);
+        } else {
+            kept.push((place, along));
+        }
+    }
+    kept.into_iter().map(|(place, _)| place).collect()
 }
 
 /// A way with fewer corners: every place left out lies near the straight line past it.
@@ -143,9 +200,36 @@ mod tests {
         let moved = ask(&mut back, rest(2.0, angle::PI, DoneReason::Complete));
         assert!(matches!(moved, Some(Motion::Move { distance, .. }) if distance == STRIDE));
         assert_eq!(ask(&mut back.clone(), rest(1.0, angle::PI, DoneReason::Complete)), None);
+        // Something is in the way: off it, and past it on either side, not for ever.
+        for times in 0..BESIDE.len() {
+            let off = ask(&mut back, rest(1.6, angle::PI, DoneReason::Bumper));
+            assert!(
+                matches!(off, Some(Motion::Move { distance, .. }) if distance < 0.0),
+                "{times}"
+            );
+            let aside = ask(&mut back, rest(1.65, angle::PI, DoneReason::Complete));
+            let turned = if times % 2 == 0 { 1.0 } else { -1.0 };
+            let is_aside =
+                matches!(aside, Some(Motion::Turn { angle, .. }) if angle * turned > 0.1);
+            assert!(is_aside, "{times} {aside:?}");
+        }
         assert_eq!(ask(&mut back, rest(1.6, angle::PI, DoneReason::Bumper)), None);
+        assert!(!back.is_back());
         path[15].carried = true;
         assert!(Retreat::to_free(&path, free).is_none(), "it did not drive there");
+    }
+
+    #[test]
+    fn a_way_leaves_out_what_led_round() {
+        let there = (0..=20).map(|k| Point::new(f64::from(k) * 0.05, 0.0));
+        let round = (0..=40).map(|k| {
+            let bearing = f64::from(k) * angle::TAU / 40.0 - angle::FRAC_PI_2;
+            Point::new(1.0, 0.5) + angle::unit(bearing) * 0.5
+        });
+        let on = (1..=20).map(|k| Point::new(1.0 + f64::from(k) * 0.05, 0.0));
+        let way = without_rounds(there.chain(round).chain(on));
+        assert!(way.iter().all(|p| p.y.abs() < 0.1), "{way:?}");
+        assert_eq!(way.last(), Some(&Point::new(2.0, 0.0)));
     }
 
     #[test]

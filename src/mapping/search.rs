@@ -18,15 +18,20 @@ use super::retreat::Retreat;
 use super::settings::Settings;
 use super::shape::is_mapped;
 use super::wall::Wall;
-use crate::geometry::{Point, Pose, angle};
+use crate::geometry::{Point, Pose, Ring, angle};
 use crate::robot::{Chassis, DoneReason, Guard, Motion, SwitchSet};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Directions that are tried before the search is given up.
 const MOST_TRIES: usize = 40;
-/// Pockets that are left again. What is met once more then is the room: the robot began in a niche of it.
+/// How often one pocket is left again. What is met once more then is the room: the robot began in a niche of it.
 const MOST_POCKETS: usize = 2;
+/// Ways back out of a pocket that may be blocked.
+const MOST_BLOCKED: usize = 3;
+/// A lap that began this near to the way round a pocket is of that pocket, metres: bodies on two sides of a wall
+/// are farther apart.
+const SAME_POCKET: f64 = 0.1;
 /// Metres driven again after a lap has closed, for the misclosure.
 const OVERLAP: f64 = 1.0;
 /// A contact this near a known object belongs to it, metres.
@@ -71,7 +76,10 @@ pub struct Search {
     /// When it was begun, robot time, microseconds.
     line_begun_us: u64,
     tried: usize,
-    pockets: usize,
+    /// The ways round the pockets that it came back out of.
+    pockets: Vec<Ring>,
+    /// It is in a pocket: how often the way back out was blocked.
+    blocked: Option<usize>,
     rng: ChaCha8Rng,
     wall: Wall,
     laps: u32,
@@ -96,7 +104,8 @@ impl Search {
             line: from,
             line_begun_us: 0,
             tried: 0,
-            pockets: 0,
+            pockets: Vec::new(),
+            blocked: None,
             rng: ChaCha8Rng::seed_from_u64(settings.seed),
             wall: Wall::new(&settings.chassis),
             laps: 0,
@@ -182,7 +191,10 @@ impl Search {
         loop {
             match std::mem::replace(&mut self.doing, Doing::Turning) {
                 Doing::Turning => {
-                    self.line_begun_us = tracker.time_us();
+                    // From within a pocket it still has to come back to where it went into it from.
+                    if self.blocked.is_none() {
+                        self.line_begun_us = tracker.time_us();
+                    }
                     return self.set_out(rest, tell);
                 }
                 Doing::Driving => {
@@ -208,6 +220,16 @@ impl Search {
                         return Next::Go(ask);
                     }
                     self.wall = Wall::new(&self.chassis);
+                    if retreat.is_back() {
+                        self.blocked = None;
+                    } else {
+                        self.pockets.pop();
+                        let blocked = self.blocked.map_or(1, |times| times + 1);
+                        if blocked == MOST_BLOCKED {
+                            return Next::Failed(Failure::Pocketed);
+                        }
+                        self.blocked = Some(blocked);
+                    }
                     self.turn_elsewhere(rest, tell);
                 }
                 Doing::Lapping(mut circuit) => match circuit.next(tracker, rest) {
@@ -245,12 +267,14 @@ impl Search {
 
     /// The way out of the pocket that a lap closed in, if it was one.
     fn way_out(&mut self, tracker: &Tracker, closure: &Closure) -> Option<Retreat> {
-        if self.pockets == MOST_POCKETS {
+        let begun = closure.from.pose.position;
+        let is_here = |round: &&Ring| round.contains(begun) || round.distance(begun) < SAME_POCKET;
+        if self.pockets.iter().filter(is_here).count() == MOST_POCKETS {
             return None;
         }
         let lap = (closure.from.time_us, closure.to.time_us);
-        let retreat = Retreat::from_pocket(tracker.path(), self.line_begun_us, lap)?;
-        self.pockets += 1;
+        let (retreat, round) = Retreat::from_pocket(tracker.path(), self.line_begun_us, lap)?;
+        self.pockets.push(round);
         Some(retreat)
     }
 

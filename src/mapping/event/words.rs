@@ -14,6 +14,10 @@ impl fmt::Display for Failure {
             Self::LapEndless => "the lap goes on without closing",
             Self::NoBoundary => "no boundary was met in any direction",
             Self::Boxed => "the robot is held on all sides",
+            Self::Pocketed => {
+                "the robot does not get out again through the gap by which it came into a pocket of the \
+                 room: carry it out, close the gap, and begin anew"
+            }
             Self::OneSided => "its other side was not met",
             Self::OutlineBroken => {
                 "the contacts make no simple closed outline around the robot's way: the lap errs by more \

@@ -206,3 +206,48 @@ fn squaring_is_told_and_undone_and_the_robot_drives_as_if_it_were_not() {
     squared.intent(Intent::Square);
     assert_eq!(squared.snapshot().map.squared, Some(figures));
 }
+
+/// A room of 16 square metres, and one of 4 behind a gap of 29 cm: a strait that a lap goes through.
+const STRAIT: &str = r#"
+name = "strait"
+start = { x = 1.0, y = 2.0, heading = 0 }
+[boundary]
+vertices = [
+    [0, -1], [4, -1], [4, 0.855], [4.02, 0.855], [4.02, 0], [6, 0], [6, 2],
+    [4.02, 2], [4.02, 1.145], [4, 1.145], [4, 3], [0, 3],
+]
+"#;
+
+#[test]
+fn a_lap_more_still_knows_what_is_behind_a_strait() {
+    let world = World::from_toml(STRAIT, "strait", 0.1).expect("a world");
+    let settings = Settings { seed: 2, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
+    (0..3).for_each(|_| step(&mut run));
+    assert_eq!(run.snapshot().map.beyond.len(), 1, "the lap went through it");
+    run.intent(Intent::LapAgain);
+    (0..3).for_each(|_| step(&mut run));
+    assert_eq!(run.session().run_state(), RunState::Paused);
+    let map = run.snapshot().map;
+    assert_eq!((map.laps, map.beyond.len()), (2, 1));
+    let area = map.shape.expect("a shape").outline.area();
+    assert!((15.5..16.5).contains(&area), "{area}");
+}
+
+#[test]
+fn a_lap_after_a_tape_begins_where_the_wall_is_now() {
+    let world = world();
+    let settings = Settings { seed: 1, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::Raw);
+    (0..3).for_each(|_| step(&mut run));
+    let (from, to) = (Point::new(0.0, 0.0), Point::new(5.0, 0.0));
+    run.intent(Intent::SetTape { from, to, length: 5.06 });
+    run.intent(Intent::LapAgain);
+    let before = run.snapshot().progress[0].commands;
+    step(&mut run);
+    let map = run.snapshot().map;
+    assert_eq!(map.laps, 2);
+    assert!(map.doubted.is_empty(), "{:?}", map.doubted);
+    let commands = run.snapshot().progress[0].commands - before;
+    assert!(commands < 300, "{commands} commands round a lap of 19 m");
+}

@@ -9,7 +9,7 @@
 use super::map::{Contact, RoomMap};
 use super::network::Datum;
 use super::survey::{Hung, Survey, Tie};
-use crate::geometry::{Piece, Point, cross, perp};
+use crate::geometry::{Piece, Point, angle, cross, perp};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +69,7 @@ impl Judge<'_> {
     /// The standard errors of `map`, whose contacts are where the survey believes them.
     pub(super) fn judge(&self, map: &RoomMap) -> Option<Accuracy> {
         let outline = &map.shape.as_ref()?.outline;
-        let scale = map.taped.map_or(UNTAPED, |taped| TAPE / taped.taped);
+        let scale = map.taped.map_or(UNTAPED, |taped| angle::hypot(taped.sd, TAPE / taped.taped));
         let at = |p: Point, tie: &Tie| {
             let arm = (p - self.start) * scale;
             self.survey.spread_at(p, tie) * (UNIT_WEIGHT * UNIT_WEIGHT) + arm * arm.transpose()

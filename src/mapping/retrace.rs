@@ -44,6 +44,12 @@ impl Beside {
         let near = self.near.iter().map(|seen| seen.moved(from, to)).collect();
         Self { near, ..self }
     }
+
+    /// The same when the lap turned out to be `stretch` times as long.
+    #[must_use]
+    pub fn stretched(self, stretch: f64) -> Self {
+        Self { length: self.length * stretch, ..self }
+    }
 }
 
 /// What comes next on the lap.

@@ -127,18 +127,25 @@ pub fn square(outline: &Ring) -> Option<(Ring, Squared)> {
 /// The corners, each where its piece begins, once the walls are turned by `turns`.
 fn corners(outline: &Ring, turns: &[Option<f64>]) -> Vec<Point> {
     let count = outline.pieces.len();
-    let line = |k: usize| match outline.pieces[k] {
-        Piece::Line { from, to } => {
-            let direction = angle::of(to - from) - turns[k].unwrap_or(0.0);
-            let line = Line { at: from + (to - from) / 2.0, along: angle::unit(direction) };
-            Some((line, turns[k].is_some()))
-        }
-        Piece::Arc { .. } => None,
-    };
+    let mut lines: Vec<Option<(Line, bool)>> = outline
+        .pieces
+        .iter()
+        .zip(turns)
+        .map(|(piece, turn)| match piece {
+            Piece::Line { from, to } => {
+                let direction = angle::of(to - from) - turn.unwrap_or(0.0);
+                let line = Line { at: from + (to - from) / 2.0, along: angle::unit(direction) };
+                Some((line, turn.is_some()))
+            }
+            Piece::Arc { .. } => None,
+        })
+        .collect();
+    let lengths: Vec<f64> = outline.pieces.iter().map(Piece::length).collect();
+    join_straight(&mut lines, &lengths);
     (0..count)
         .map(|k| {
             let corner = outline.pieces[k].from();
-            match (line((k + count - 1) % count), line(k)) {
+            match (lines[(k + count - 1) % count], lines[k]) {
                 (Some((a, square_a)), Some((b, square_b))) if square_a || square_b => {
                     let sine = cross(a.along, b.along);
                     if sine.abs() > STRAIGHT {
@@ -155,6 +162,32 @@ fn corners(outline: &Ring, turns: &[Option<f64>]) -> Vec<Point> {
             }
         })
         .collect()
+}
+
+/// Square walls of these `lengths` that go on straight are one wall: on one line, where the longer ones are.
+/// Each on its own would have to come to the other where they meet, and be square no longer.
+fn join_straight(lines: &mut [Option<(Line, bool)>], lengths: &[f64]) {
+    let count = lines.len();
+    let goes_on = |lines: &[Option<(Line, bool)>], k: usize| {
+        let (before, here) = (lines[(k + count - 1) % count], lines[k]);
+        matches!((before, here), (Some((a, true)), Some((b, true)))
+            if cross(a.along, b.along).abs() <= STRAIGHT && a.along.dot(&b.along) > 0.0)
+    };
+    for first in 0..count {
+        if goes_on(lines, first) || !goes_on(lines, (first + 1) % count) {
+            continue;
+        }
+        let more = (first + 1..first + count).take_while(|k| goes_on(lines, k % count)).count();
+        let wall: Vec<usize> = (first..=first + more).map(|k| k % count).collect();
+        let Some((Line { at: begin, along }, _)) = lines[first] else { continue };
+        let whole: f64 = wall.iter().map(|k| lengths[*k]).sum();
+        let of_all = wall.iter().filter_map(|k| Some((lines[*k]?.0, lengths[*k])));
+        let off = of_all.map(|(line, length)| (line.at - begin) * (length / whole));
+        let line = Line { at: begin + off.sum::<Vector>(), along };
+        for k in wall {
+            lines[k] = Some((line, true));
+        }
+    }
 }
 
 /// The pieces of `outline` through other corners; an arc keeps its bulge, or its middle.
@@ -222,6 +255,21 @@ mod tests {
         assert!((angle::of(cut) - 0.75 * angle::PI).abs() < 0.02, "{cut:?}");
         let askew = square.pieces[4].tangent(0.5);
         assert!((angle::of(-askew) - 0.1685).abs() < 0.01, "{askew:?}");
+    }
+
+    #[test]
+    fn square_walls_that_go_on_straight_are_one_line() {
+        let kinked = ring(&[(0.0, 0.0), (2.0, 0.0), (4.0, 0.08), (4.0, 3.0), (0.0, 3.0)]);
+        let (square, told) = square(&kinked).expect("something to square");
+        assert_eq!((told.walls, told.left), (5, 0));
+        for piece in &square.pieces {
+            let off = off_axis(angle::of(piece.tangent(0.5)), told.axis);
+            assert!(off.abs() < 1e-9, "{off} {square:?}");
+        }
+        // The same from another corner on, with the kink where the ring begins.
+        let turned = ring(&[(2.0, 0.0), (4.0, 0.08), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)]);
+        let (other, _) = super::square(&turned).expect("something to square");
+        assert!((other.area() - square.area()).abs() < 1e-9);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! What it stretches is the way the robot went. What the switches saw lies off that way by their
 //! range, which no wheel has measured, so the outline is fitted anew after each correction.
 
-use crate::geometry::{Point, Ring, angle};
+use crate::geometry::{Piece, Point, Ring, angle};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -18,7 +18,7 @@ const SHORTEST: f64 = 0.2;
 /// An end this near to a corner of the outline is that corner, metres.
 const CORNER: f64 = 0.35;
 /// An end farther than this from the outline is no place of it, metres.
-const OFF: f64 = 1.0;
+const OFF: f64 = 0.45;
 /// How well a person says where a tape was held, metres.
 const PLACE_SD: f64 = 0.15;
 /// What the common scale of both wheels is off by out of the box, as a share: within one per cent.
@@ -53,6 +53,9 @@ pub struct Taped {
     pub taped: f64,
     /// By how much the robot's way was stretched: real over believed travel of the wheels.
     pub stretch: f64,
+    /// How well that is known, as a share: one standard deviation, by how well the ends are known on the map.
+    #[serde(default)]
+    pub sd: f64,
 }
 
 /// Why a taped length made nothing of the map.
@@ -178,8 +181,7 @@ impl Tape {
         if (ratio - 1.0).abs() >= MOST {
             return None;
         }
-        let share = mapped.sd / mapped.mapped;
-        let trust = SCALE_SD.powi(2) / (SCALE_SD.powi(2) + share * share);
+        let trust = SCALE_SD.powi(2) / (SCALE_SD.powi(2) + mapped.share().powi(2));
         Some((1.0 + trust * (ratio * stretched - 1.0)) / stretched)
     }
 }
@@ -193,6 +195,20 @@ pub struct Length {
     pub sd: f64,
 }
 
+impl Length {
+    /// The standard deviation as a share of the length.
+    fn share(&self) -> f64 {
+        self.sd / self.mapped
+    }
+
+    /// How well the scale is known once this was taped, as a share: one standard deviation of the mean of what the
+    /// tape says and what wheels are.
+    #[must_use]
+    pub fn doubt(&self) -> f64 {
+        SCALE_SD * self.share() / angle::hypot(SCALE_SD, self.share())
+    }
+}
+
 /// What one end of a tape may have been held to.
 struct Place {
     at: Point,
@@ -201,7 +217,9 @@ struct Place {
 }
 
 /// What of `outline` a tape that goes to `other` may have been held to when its end was said to be
-/// at `end`: the corners near by, and the wall. A tape that runs along the wall ends at a corner.
+/// at `end`: the corners near by, and the wall. A tape that runs along the wall ends at a corner. On a wall it
+/// was held about where it was said to be: as far as it slants to the wall, the length is other elsewhere, and so
+/// it is round a bend.
 fn places(outline: &Ring, end: Point, other: Point) -> Vec<Place> {
     let count = outline.pieces.len();
     let corner = |k: usize| {
@@ -214,9 +232,15 @@ fn places(outline: &Ring, end: Point, other: Point) -> Vec<Place> {
     if let Some(foot) = outline.nearest(end).filter(|foot| foot.distance < OFF) {
         let piece = &outline.pieces[foot.piece];
         let along = piece.tangent(foot.t).dot(&(other - end)).abs();
-        if places.is_empty() || along < ACROSS * (other - end).norm() {
+        let length = (other - end).norm();
+        if places.is_empty() || along < ACROSS * length {
             let sd = if piece.length() > LONG_WALL { SURE_END } else { RAGGED_END };
-            places.push(Place { at: piece.at(foot.t), sd });
+            let bend = match *piece {
+                Piece::Arc { radius, .. } => PLACE_SD.powi(2) / (2.0 * radius),
+                Piece::Line { .. } => 0.0,
+            };
+            let elsewhere = angle::hypot(along / length * PLACE_SD, bend);
+            places.push(Place { at: piece.at(foot.t), sd: angle::hypot(sd, elsewhere) });
         }
     }
     places
@@ -251,6 +275,32 @@ mod tests {
             let on = tape((0.0, 0.0), (4.9, 0.1), length).on(&outline).expect("two places").mapped;
             assert!((on - mapped).abs() < 2e-3, "{length}: {on}");
         }
+    }
+
+    #[test]
+    fn a_tape_that_slants_to_a_wall_says_little() {
+        let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.5), (0.0, 4.5)];
+        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let stretch = |tape: Tape| {
+            let length = tape.on(&outline).expect("a corner and a wall");
+            (tape.stretch(length, 1.0).expect("near") - 1.0).abs()
+        };
+        // Held at (1.2, 4.5), said to be 15 cm from there: 4 cm less, and nothing is wrong with the map.
+        let slanting = stretch(tape((0.0, 0.0), (1.35, 4.5), 4.657));
+        assert!(slanting < 0.004, "{slanting}");
+        let across = stretch(tape((2.5, 0.0), (2.5, 4.5), 4.455));
+        assert!(across > 0.008, "{across}");
+        let doubt = |tape: Tape| tape.on(&outline).expect("walls").doubt();
+        let (slanting, across) =
+            (doubt(tape((0.0, 0.0), (1.35, 4.5), 4.7)), doubt(tape((2.5, 0.0), (2.5, 4.5), 4.5)));
+        assert!(across < 0.002 && (0.004..SCALE_SD).contains(&slanting), "{across} {slanting}");
+    }
+
+    #[test]
+    fn no_wall_is_half_a_metre_from_where_the_tape_was_held() {
+        let corners = [(-0.7, -0.7), (4.3, -0.7), (4.3, 3.3), (-0.7, 3.3)];
+        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        assert_eq!(tape((0.0, 0.0), (5.0, 0.0), 5.02).on(&outline), None);
     }
 
     #[test]

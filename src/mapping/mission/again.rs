@@ -31,10 +31,26 @@ impl Mission {
         }
         self.settings.laps = self.map.laps + 1;
         self.map.plan = None;
+        self.rejoin_beyond();
         self.phase = Phase::Boundary;
         self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
         self.begin_retrace(out);
         true
+    }
+
+    /// What was seen behind straits is part of the lap again, in the order in which it was seen: without it a wall
+    /// would be drawn across them.
+    fn rejoin_beyond(&mut self) {
+        let behind = std::mem::take(&mut self.map.beyond);
+        let contacts = &mut self.map.contacts;
+        // With the wall on the right the last of them comes first.
+        let ends = contacts.first().zip(contacts.last());
+        let turned = ends.is_some_and(|(first, last)| first.time > last.time);
+        contacts.extend(behind.into_iter().flat_map(|beyond| beyond.contacts));
+        contacts.sort_by(|a, b| a.time.total_cmp(&b.time));
+        if turned {
+            contacts.reverse();
+        }
     }
 
     /// Drops the lap, and the objects that were met before it; the boundary is looked for anew from where

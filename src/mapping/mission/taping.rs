@@ -24,14 +24,14 @@ impl Mission {
 
     /// The outline `fitted` once all is stretched to where `tape` says.
     fn taped(&mut self, tape: Tape, fitted: Ring, out: &mut Vec<Output>) -> Ring {
-        let mut outline = fitted;
-        let Some(length) = tape.on(&outline) else {
-            return self.not_taped(Untaped::Nowhere, outline, out);
+        let Some(length) = tape.on(&fitted) else {
+            return self.not_taped(Untaped::Nowhere, fitted, out);
         };
         let (mapped, before) = (length.mapped, self.tracker.stretched());
         if tape.stretch(length, self.tracker.stretched()).is_none() {
-            return self.not_taped(Untaped::Refused { mapped, taped: tape.length }, outline, out);
+            return self.not_taped(Untaped::Refused { mapped, taped: tape.length }, fitted, out);
         }
+        let mut outline = fitted.clone();
         for _ in 0..TAPINGS {
             let length = tape.on(&outline);
             let stretched = self.tracker.stretched();
@@ -41,24 +41,25 @@ impl Mission {
                 break;
             }
             self.stretch(stretch);
-            let fitted = if self.map.beyond.is_empty() {
+            let again = if self.map.beyond.is_empty() {
                 self.fitted_outline()
             } else {
                 // A fit would draw wall across the straits.
                 let start = self.settings.start.position;
                 Ok(outline.deformed(|at| (at - start) * (stretch - 1.0)))
             };
-            let Ok(fitted) = fitted else {
-                self.stretch(1.0 / stretch);
+            let Ok(again) = again else {
+                self.stretch(before / self.tracker.stretched());
                 let why = Untaped::Refused { mapped, taped: tape.length };
-                return self.not_taped(why, outline, out);
+                return self.not_taped(why, fitted, out);
             };
-            outline = fitted;
+            outline = again;
         }
         let stretch = self.tracker.stretched();
         // As it was before any tape: that is what it is stretched from.
         let mapped = mapped / before;
-        self.map.taped = Some(Taped { mapped, taped: tape.length, stretch });
+        let sd = length.doubt();
+        self.map.taped = Some(Taped { mapped, taped: tape.length, stretch, sd });
         self.map.untaped = None;
         self.tell(EventKind::TapeLaid { mapped, taped: tape.length, stretch }, out);
         outline
@@ -99,7 +100,12 @@ impl Mission {
         for stroke in &mut self.way {
             *stroke = stroke.placed(|at, _| at + moved(at));
         }
+        let before = self.tracker.pose();
         self.tracker.stretch(stretch, start);
+        let now = self.tracker.pose();
+        // What a further lap begins with is where the robot is.
+        self.beside =
+            self.beside.take().map(|beside| beside.moved(&before, &now).stretched(stretch));
         self.survey.stretch(stretch, start);
         self.rest.pose = self.tracker.pose();
     }

@@ -64,7 +64,8 @@ impl Mission {
             return false;
         }
         self.settings.tape = Some(tape);
-        if self.map.shape.is_none() {
+        // A lap under way is beside walls as they were mapped.
+        if self.map.shape.is_none() || matches!(self.task, Task::Retrace(_)) {
             self.tell(EventKind::TapeNoted { taped: tape.length }, out);
             return true;
         }

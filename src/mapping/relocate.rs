@@ -31,6 +31,11 @@ const DOUBTED: (f64, f64) = (1.5, 0.7);
 /// After so many metres a robot that only doubts its place gives up looking for it.
 const LONGEST_DOUBT: f64 = 30.0;
 
+/// A place that is farther than this from where it is said to be, metres, and on which what was seen lies within this
+/// share as near, shows that the word was wrong.
+const ELSEWHERE: f64 = 1.0;
+const FAR_BETTER: f64 = 0.6;
+
 /// What is known about the place of a robot that is looking for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
@@ -171,8 +176,9 @@ impl Relocation {
             };
             if let (Some(place), Some(before)) = (found, self.before)
                 && steady(&place, &before)
+                && let Some(place) = self.proven(&place, &seen, here)
             {
-                return Seek::Found(self.landmarks.sharpened(&place, &seen));
+                return Seek::Found(place);
             }
             self.before = found;
         }
@@ -187,13 +193,31 @@ impl Relocation {
             Next::Found(..) => {
                 let seen = self.seen();
                 let places = self.places(&seen);
-                match only(&places) {
-                    Some(place) => Seek::Found(self.landmarks.sharpened(&place, &seen)),
+                let place = only(&places);
+                match place.and_then(|place| self.proven(&place, &seen, tracker.pose())) {
+                    Some(place) => Seek::Found(place),
+                    None if place.is_some() => Seek::Unclear(0),
                     None => Seek::Unclear(places.len()),
                 }
             }
             Next::Failed(_) => Seek::Unclear(0),
         }
+    }
+
+    /// The `place`, as good as it can be told for a robot that stands `here`; none when that would be where no robot
+    /// can stand, or when what was seen fits another one far better: then the word that it is here was wrong.
+    fn proven(&self, place: &Place, seen: &[Seen], here: Pose) -> Option<Place> {
+        let sharp = self.landmarks.sharpened(place, seen);
+        let at = sharp.of(here).position;
+        let elsewhere = |other: &Place| {
+            (other.of(here).position - at).norm() > ELSEWHERE
+                && other.is_sure()
+                && other.rms < FAR_BETTER * place.rms
+        };
+        let is_word = self.about.within().is_some();
+        let is_elsewhere =
+            || is_word && self.landmarks.places(seen, |_| true).iter().any(elsewhere);
+        (self.landmarks.is_floor(at) && !is_elsewhere()).then_some(sharp)
     }
 
     /// What was seen since the wall was met.
@@ -237,4 +261,53 @@ fn names_object(kind: &EventKind) -> bool {
 fn only(places: &[Place]) -> Option<Place> {
     let [place] = places else { return None };
     place.is_sure().then_some(*place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Vector};
+    use crate::robot::Chassis;
+
+    /// An L of 5 x 4 m, and what a robot sees of its lower right end.
+    fn looked(about: About) -> (Relocation, Vec<Seen>) {
+        let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (3.0, 4.0), (3.0, 2.5), (0.0, 2.5)];
+        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let start = Pose::new(1.0, 1.0, 0.0);
+        let settings = Settings::new(start);
+        let tracker = Tracker::new(&Chassis::default(), start);
+        let seen = |k: u32, at: Point, inward: Vector| Seen {
+            point: at,
+            from: at + inward * 0.145,
+            travelled: 0.05 * f64::from(k),
+        };
+        let below = (0..40)
+            .map(|k| seen(k, Point::new(3.0 + 0.05 * f64::from(k), 0.0), Vector::new(0.0, 1.0)));
+        let right = (0..=80)
+            .map(|k| seen(40 + k, Point::new(5.0, 0.05 * f64::from(k)), Vector::new(-1.0, 0.0)));
+        let top = (1..16).map(|k| {
+            seen(120 + k, Point::new(5.0 - 0.05 * f64::from(k), 4.0), Vector::new(0.0, -1.0))
+        });
+        let seen = below.chain(right).chain(top).collect();
+        (Relocation::new(&settings, &outline, Vec::new(), &tracker, about), seen)
+    }
+
+    #[test]
+    fn a_place_that_the_robot_cannot_stand_at_is_none() {
+        let (relocation, seen) = looked(About::Nothing);
+        let place = only(&relocation.landmarks.places(&seen, |_| true)).expect("a place");
+        assert!(relocation.proven(&place, &seen, Pose::new(4.8, 3.0, 1.57)).is_some());
+        assert_eq!(relocation.proven(&place, &seen, Pose::new(5.3, 3.0, 1.57)), None);
+    }
+
+    #[test]
+    fn a_word_is_not_believed_where_what_was_seen_fits_far_better_elsewhere() {
+        let here = Pose::new(4.2, 3.8, 3.0);
+        let by_chance =
+            Place { onto: Pose::new(-1.4, -1.6, 0.02), rms: 0.02, share: 0.95, sd: (0.02, 0.01) };
+        let (relocation, seen) = looked(About::Told);
+        assert_eq!(relocation.proven(&by_chance, &seen, here), None);
+        let (relocation, seen) = looked(About::Nothing);
+        assert!(relocation.proven(&by_chance, &seen, here).is_some(), "nobody said anything");
+    }
 }

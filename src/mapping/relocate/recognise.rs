@@ -322,7 +322,9 @@ impl Landmarks {
         Some((0.0, perp(along).try_normalize(1e-12)?))
     }
 
-    fn is_floor(&self, p: Point) -> bool {
+    /// Whether a robot may have its centre at `p`.
+    #[must_use]
+    pub fn is_floor(&self, p: Point) -> bool {
         self.outline.contains(p) && !self.objects.iter().any(|ring| ring.contains(p))
     }
 }

@@ -53,11 +53,22 @@ fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     let keys = args.keymap.or(places.keymap);
     needs_terminal()?;
     if let Some(address) = real::address(&args.robot, places.port)? {
+        tell_unused(&common);
         return real::console(&address, glue::keymap(keys.as_deref())?, &common);
     }
     only_real(common.keeping.resume.as_deref())?;
     let world = args.robot.world.or(places.world);
     glue::console(world.as_deref(), keys.as_deref(), &common)
+}
+
+/// Says that a real robot's body is what it says itself.
+fn tell_unused(common: &Common) {
+    if common.robot.chassis.is_some() {
+        output::say(
+            "periplus: --chassis is not used with --port: a robot says itself what its body is; put the \
+             figures of the file into the robot",
+        );
+    }
 }
 
 fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {

@@ -377,6 +377,8 @@ fn a_run_that_cannot_be_taken_up_says_why() {
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
     refused(&["run", "--world", world, "--resume", dir], &["--resume", "made again by its seed"]);
     refused(&["run", "--port", "tcp://127.0.0.1:1", "--resume", dir], &[dir]);
+    let with_body = ["run", "--port", "tcp://127.0.0.1:1", "--chassis", "b.toml", "--resume", dir];
+    refused(&with_body, &["--chassis is not used", "the robot", dir]);
     let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", dir]);
     assert_eq!(run.status.code(), Some(0));
     let simulated = ["run", "--port", "tcp://127.0.0.1:1", "--resume", dir];

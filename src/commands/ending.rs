@@ -57,7 +57,7 @@ pub fn print_measured(figures: Option<String>, folder: &OutputFolder) -> Result<
     output::print(&figures)?;
     let chassis = folder.path().join("chassis.toml");
     if chassis.exists() {
-        let what = "give it to the robot, or to --chassis";
+        let what = "put its figures into the robot (--chassis is for the simulated one)";
         output::print(&format!("body written to {}: {what}\n", chassis.display()))?;
     }
     Ok(0)

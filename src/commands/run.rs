@@ -23,6 +23,7 @@ fn map(args: RunArgs, told: Told) -> Result<u8, CommandError> {
     let out = keeping.resume.clone().or(keeping.out.clone());
     let out = out.ok_or_else(|| missing(told, "--out DIR"))?;
     if let Some(address) = real::address(&args.robot, places.port)? {
+        super::tell_unused(&common);
         return real::run(&address, &common, until, &out, told);
     }
     super::only_real(keeping.resume.as_deref())?;

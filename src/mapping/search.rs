@@ -25,6 +25,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Directions that are tried before the search is given up.
 const MOST_TRIES: usize = 40;
+/// A robot that so many turns in a row did not turn is held.
+const MOST_HELD: usize = 20;
 /// How often one pocket is left again. What is met once more then is the room: the robot began in a niche of it.
 const MOST_POCKETS: usize = 2;
 /// Ways back out of a pocket that may be blocked.
@@ -76,6 +78,8 @@ pub struct Search {
     /// When it was begun, robot time, microseconds.
     line_begun_us: u64,
     tried: usize,
+    /// Turns in a row that something ended.
+    held: usize,
     /// The ways round the pockets that it came back out of.
     pockets: Vec<Ring>,
     /// It is in a pocket: how often the way back out was blocked.
@@ -104,6 +108,7 @@ impl Search {
             line: from,
             line_begun_us: 0,
             tried: 0,
+            held: 0,
             pockets: Vec::new(),
             blocked: None,
             rng: ChaCha8Rng::seed_from_u64(settings.seed),
@@ -191,6 +196,11 @@ impl Search {
         loop {
             match std::mem::replace(&mut self.doing, Doing::Turning) {
                 Doing::Turning => {
+                    let held = matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled);
+                    self.held = if held { self.held + 1 } else { 0 };
+                    if self.held > MOST_HELD {
+                        return Next::Failed(Failure::Boxed);
+                    }
                     // From within a pocket it still has to come back to where it went into it from.
                     if self.blocked.is_none() {
                         self.line_begun_us = tracker.time_us();
@@ -424,6 +434,23 @@ fn side_of(bearing: f64, turned: f64) -> Side {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_robot_that_cannot_turn_is_not_asked_for_ever() {
+        let from = Pose::new(0.0, 0.0, 0.0);
+        let settings = Settings::new(from);
+        let mut search = Search::new(&settings, from);
+        search.line.heading = 1.0;
+        let mut tracker = Tracker::new(&settings.chassis, from);
+        let rest = AtRest { pose: from, closed: SwitchSet::EMPTY, reason: DoneReason::Stalled };
+        let (mut map, mut told) = (RoomMap::default(), Vec::new());
+        let mut asked = 0;
+        while let Next::Go(_) = search.next(&mut tracker, &rest, &mut map, &mut told) {
+            asked += 1;
+            assert!(asked <= MOST_HELD, "asked once more");
+        }
+        assert_eq!(asked, MOST_HELD);
+    }
 
     #[test]
     fn a_robot_that_has_turned_round_and_round_goes_back_the_other_way() {

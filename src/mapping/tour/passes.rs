@@ -65,9 +65,9 @@ impl Half {
         let side = passing.side();
         let towards = |seen: &&Sighting| {
             let bearing = angle::wrap(seen.beam - seen.pose.heading) * side.sign();
-            seen.alive && (seen.sensor.is_none() || (-0.3..2.7).contains(&bearing))
+            seen.sensor.is_none() || (-0.3..2.7).contains(&bearing)
         };
-        let contacts = passing.wall.log().iter().filter(towards).map(Sighting::contact).collect();
+        let contacts = passing.wall.surfaces().filter(towards).map(Sighting::contact).collect();
         let strokes = passing.wall.strokes().to_vec();
         Self { line: drive.id, backwards: drive.backwards, side, contacts, strokes }
     }

@@ -10,6 +10,16 @@ pub(crate) fn polygon(vertices: &[(f64, f64)]) -> Ring {
     Ring::polygon(&points)
 }
 
+/// A room of straight and circular pieces: where each begins, and over how many degrees it is bent outwards.
+pub(crate) fn bent(pieces: &[(f64, f64, f64)]) -> Ring {
+    let next = pieces.iter().cycle().skip(1);
+    let piece = |(&(x, y, degrees), &(to_x, to_y, _)): (&(f64, f64, f64), &(f64, f64, f64))| {
+        let bulge = angle::tan(degrees.to_radians() / 4.0);
+        Piece::with_bulge(Point::new(x, y), Point::new(to_x, to_y), bulge)
+    };
+    Ring { pieces: pieces.iter().zip(next).map(piece).collect() }
+}
+
 pub(crate) fn boxed(x0: f64, y0: f64, x1: f64, y1: f64) -> Ring {
     polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 }

@@ -1,7 +1,8 @@
 //! Circular parts: diameters of a full circle, radii of a piece of one (paper III.E, figure 10).
 
 use super::entries::{Entries, Entry};
-use crate::geometry::{Piece, Point, angle};
+use crate::geometry::segment::Segment;
+use crate::geometry::{Piece, Point, Ring, angle, cross};
 use crate::mapping::map::{LineReason, Part, PartClass};
 use rand::Rng;
 use rand::SeedableRng;
@@ -9,107 +10,162 @@ use rand_chacha::ChaCha8Rng;
 
 /// The random stream of the first diameter; other uses of the seed take others.
 const STREAM: u64 = 0x0111_000E;
-/// A radius nearer than this to a wall of the part runs along it, metres.
+/// A radius nearer than this to a side of the part runs along it, metres.
 const ALONG: f64 = 0.002;
+/// A centre that lies off by this share of the radius is that of another circle.
+const OTHER: f64 = 0.1;
+/// Chords stand for arcs within this, metres.
+const SAGITTA: f64 = 0.001;
+/// Shares of a line this near to each other are one and the same.
+const SAME: f64 = 1e-9;
 
-/// Enters the lines of one circular part.
-pub(super) fn lines(entries: &mut Entries<'_>, index: usize, part: &Part, alpha: f64, seed: u64) {
-    let Some((center, radius)) = part.circle else {
-        return;
-    };
-    if part.class == PartClass::Circle {
-        diameters(entries, index, center, radius, alpha, seed);
-    } else {
-        radii(entries, index, part, middle(part, center), alpha);
-    }
-}
-
-/// Where the radii of a `part` lead to: the centre of its circle; of half a disc the middle of its straight side,
-/// which a fit has some millimetres before or behind the centre. Behind the side no radius would stay in the part.
-fn middle(part: &Part, center: Point) -> Point {
-    let straight = part.ring.pieces.iter().filter(|piece| matches!(piece, Piece::Line { .. }));
-    let feet = straight.map(|piece| piece.at(piece.nearest(center)));
-    let nearest =
-        feet.min_by(|a, b| (a - center).norm_squared().total_cmp(&(b - center).norm_squared()));
-    nearest.filter(|_| part.class == PartClass::Semicircle).unwrap_or(center)
-}
-
-/// Diameters from a random point on, clockwise by arcs of α, until a point comes again.
-fn diameters(
-    entries: &mut Entries<'_>,
+/// The lines of one circular part.
+pub(super) struct Disc<'a> {
     index: usize,
+    part: &'a Part,
     center: Point,
     radius: f64,
     alpha: f64,
-    seed: u64,
-) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(STREAM);
-    let first = random.random::<f64>() * angle::TAU;
-    let step = alpha / radius;
-    let count = (angle::TAU / step - 1e-9).ceil().max(1.0) as usize;
-    let turns: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
-    for (vertex, &turn) in turns.iter().enumerate() {
-        let away = angle::unit(first - turn) * radius;
-        // The far end of an earlier diameter: the same line run the other way.
-        let again = turn >= angle::PI - 1e-9
-            && turns.iter().any(|other| (turn - angle::PI - other).abs() < 1e-9);
-        entries.enter(&Entry {
-            part: index,
-            vertex,
-            start: center + away,
-            end: center - away,
-            angle: angle::FRAC_PI_2,
-            reason: again.then_some(LineReason::Duplicate),
-        });
-    }
 }
 
-/// Radii from every arc of the part to the centre, clockwise, both ends of the arc included.
-fn radii(entries: &mut Entries<'_>, index: usize, part: &Part, center: Point, alpha: f64) {
-    let mut vertex = 0;
-    for piece in &part.ring.pieces {
-        let Piece::Arc { center: own, radius, start, sweep } = *piece else {
-            continue;
+impl<'a> Disc<'a> {
+    /// Part `index` as a piece of a disc, if that is what it is.
+    pub(super) fn new(index: usize, part: &'a Part, alpha: f64) -> Option<Self> {
+        let (center, radius) = match part.class {
+            PartClass::Circle | PartClass::Semicircle | PartClass::Sector => part.circle?,
+            PartClass::Convex | PartClass::Concave => return None,
         };
-        // Arcs of other circles bound the part, but its lines lead to its own centre.
-        if (own - center).norm() > 0.1 * radius {
-            continue;
+        Some(Self { index, part, center, radius, alpha })
+    }
+
+    /// Enters the lines.
+    pub(super) fn lines(&self, entries: &mut Entries<'_>, seed: u64) {
+        if self.part.class == PartClass::Circle {
+            self.diameters(entries, seed);
+        } else {
+            self.radii(entries);
         }
-        let size = sweep.abs();
-        let step = alpha / radius;
-        let count = (size / step - 1e-9).ceil().max(1.0) as usize;
-        let last = if sweep > 0.0 { start + sweep } else { start };
-        for k in 0..=count {
-            let from = own + angle::unit(last - (k as f64 * step).min(size)) * radius;
+    }
+
+    /// Diameters from a random point on, clockwise by arcs of α, until a point comes again.
+    fn diameters(&self, entries: &mut Entries<'_>, seed: u64) {
+        let Self { center, radius, .. } = *self;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(STREAM);
+        let first = random.random::<f64>() * angle::TAU;
+        let step = self.alpha / radius;
+        let count = (angle::TAU / step - 1e-9).ceil().max(1.0) as usize;
+        let turns: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
+        for (vertex, &turn) in turns.iter().enumerate() {
+            let away = angle::unit(first - turn) * radius;
+            // The far end of an earlier diameter: the same line run the other way.
+            let again = turn >= angle::PI - 1e-9
+                && turns.iter().any(|other| (turn - angle::PI - other).abs() < 1e-9);
             entries.enter(&Entry {
-                part: index,
+                part: self.index,
                 vertex,
-                start: from,
-                end: center,
+                start: center + away,
+                end: center - away,
                 angle: angle::FRAC_PI_2,
-                reason: reason(entries, part, from, center),
+                reason: again.then_some(LineReason::Duplicate),
             });
-            vertex += 1;
         }
+    }
+
+    /// Radii from the arc of the part to the centre, clockwise, both ends of the arc included.
+    fn radii(&self, entries: &mut Entries<'_>) {
+        let (sides, middle) = (self.sides(), self.middle());
+        let mut vertex = 0;
+        for piece in self.part.ring.pieces.iter().filter(|piece| self.is_rim(piece)) {
+            let Piece::Arc { center: own, radius, start, sweep } = *piece else {
+                continue;
+            };
+            let size = sweep.abs();
+            let step = self.alpha / radius;
+            let count = (size / step - 1e-9).ceil().max(1.0) as usize;
+            let last = if sweep > 0.0 { start + sweep } else { start };
+            for k in 0..=count {
+                let from = own + angle::unit(last - (k as f64 * step).min(size)) * radius;
+                let (mut end, mut reason) = (middle, self.reason(entries, from, middle));
+                // The centre of less than half a disc lies beyond its chord, where there is a wall or what is none
+                // of this part.
+                if reason == Some(LineReason::LeavesArea) {
+                    end = until(&sides, from, middle);
+                    reason = self.reason(entries, from, end);
+                }
+                entries.enter(&Entry {
+                    part: self.index,
+                    vertex,
+                    start: from,
+                    end,
+                    angle: angle::FRAC_PI_2,
+                    reason,
+                });
+                vertex += 1;
+            }
+        }
+    }
+
+    /// Where the radii lead to: the centre of the circle; of half a disc the middle of its straight side, which a fit
+    /// has some millimetres before or behind the centre. Behind the side no radius would stay in the part.
+    fn middle(&self) -> Point {
+        let pieces = self.part.ring.pieces.iter();
+        let straight = pieces.filter(|piece| matches!(piece, Piece::Line { .. }));
+        let feet = straight.map(|piece| piece.at(piece.nearest(self.center)));
+        let off = |foot: &Point| (foot - self.center).norm_squared();
+        let nearest = feet.min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.filter(|_| self.part.class == PartClass::Semicircle).unwrap_or(self.center)
+    }
+
+    /// Whether lines begin on this piece: arcs of other circles bound the part, but its lines lead to its own centre.
+    fn is_rim(&self, piece: &Piece) -> bool {
+        matches!(*piece, Piece::Arc { center, .. } if (center - self.center).norm() <= OTHER * self.radius)
+    }
+
+    /// What else bounds the part, with the part on the left.
+    fn sides(&self) -> Vec<Segment> {
+        let others = self.part.ring.pieces.iter().filter(|piece| !self.is_rim(piece));
+        let points = others.map(|piece| {
+            let mut points = Ring { pieces: vec![*piece] }.to_points(SAGITTA);
+            points.push(piece.to());
+            points
+        });
+        let pairs = |points: Vec<Point>| {
+            points.windows(2).map(|two| Segment::new(two[0], two[1])).collect::<Vec<_>>()
+        };
+        points.flat_map(pairs).collect()
+    }
+
+    fn reason(&self, entries: &Entries<'_>, from: Point, end: Point) -> Option<LineReason> {
+        let places = [0.25, 0.5, 0.75].map(|t| from + (end - from) * t);
+        let along = self.part.ring.pieces.iter().zip(&self.part.cut).any(|(piece, &cut)| {
+            let wall = matches!(piece, Piece::Line { .. }) && !cut;
+            wall && places.iter().all(|&p| piece.distance(p) < ALONG)
+        });
+        if along {
+            return Some(LineReason::AlongBoundary);
+        }
+        let inner = from + (end - from) * 0.02;
+        let room = entries.floor.wall_clearance(end) > -ALONG;
+        let clear = entries.floor.is_clear(inner, from + (end - from) * 0.98, 1e-3);
+        (!(room && clear)).then_some(LineReason::LeavesArea)
     }
 }
 
-fn reason(entries: &Entries<'_>, part: &Part, from: Point, center: Point) -> Option<LineReason> {
-    let places = [0.25, 0.5, 0.75].map(|t| from + (center - from) * t);
-    let along = part.ring.pieces.iter().zip(&part.cut).any(|(piece, &cut)| {
-        let wall = matches!(piece, Piece::Line { .. }) && !cut;
-        wall && places.iter().all(|&p| piece.distance(p) < ALONG)
+/// Where the way from `from` to `to` first leaves the part that lies on the left of `sides`; `to` if it does not.
+fn until(sides: &[Segment], from: Point, to: Point) -> Point {
+    let way = to - from;
+    let leaves = sides.iter().filter_map(|side| {
+        let across = cross(way, side.along);
+        if across <= SAME * way.norm() * side.length() {
+            return None;
+        }
+        let off = side.from - from;
+        let (gone, place) = (cross(off, side.along) / across, cross(off, way) / across);
+        let meets = (-SAME..=1.0 + SAME).contains(&place) && (-SAME..1.0 - SAME).contains(&gone);
+        meets.then_some(gone.max(0.0))
     });
-    if along {
-        return Some(LineReason::AlongBoundary);
-    }
-    // The centre of less than half a circle lies beyond the part's chord; with a wall there the
-    // radius would leave the area.
-    let inner = from + (center - from) * 0.02;
-    let room = entries.floor.wall_clearance(center) > -ALONG;
-    let clear = entries.floor.is_clear(inner, from + (center - from) * 0.98, 1e-3);
-    (!(room && clear)).then_some(LineReason::LeavesArea)
+    leaves.min_by(f64::total_cmp).map_or(to, |gone| from + way * gone)
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! The paper's plan to the letter: every vertex to every opposite edge, an end point every α.
 
-use super::circle;
+use super::circle::Disc;
 use super::entries::{Entries, Entry};
 use crate::geometry::visibility::Sight;
 use crate::geometry::{Piece, Point, angle, ring};
 use crate::mapping::floor::Floor;
-use crate::mapping::map::{LineReason, Part, PartClass, PlanLine, Shape};
+use crate::mapping::map::{LineReason, Part, PlanLine, Shape};
 
 /// Arcs of polygonal parts are judged by chords within this, metres.
 const SAGITTA: f64 = 0.001;
@@ -21,11 +21,9 @@ const SAME: f64 = 1e-9;
 pub fn lines(floor: &Floor, shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLine> {
     let mut entries = Entries::new(floor);
     for (index, part) in shape.parts.iter().enumerate() {
-        match (part.class, part.circle) {
-            (PartClass::Circle | PartClass::Semicircle | PartClass::Sector, Some(_)) => {
-                circle::lines(&mut entries, index, part, alpha, seed);
-            }
-            _ => Fan::new(index, part, alpha).lines(&mut entries),
+        match Disc::new(index, part, alpha) {
+            Some(disc) => disc.lines(&mut entries, seed),
+            None => Fan::new(index, part, alpha).lines(&mut entries),
         }
     }
     entries.into_lines()

@@ -1,5 +1,7 @@
 //! What a whole plan promises, for every strategy.
 
+mod round;
+
 use super::*;
 use crate::geometry::Pose;
 use crate::mapping::floor::rooms;
@@ -18,8 +20,13 @@ fn object(outline: Ring) -> MappedObject {
 }
 
 fn plan_of(room: &Ring, objects: &[MappedObject], alpha: f64, strategy: Strategy) -> Plan {
+    plan_in(&rooms::shape(room), objects, alpha, strategy)
+}
+
+fn plan_in(shape: &Shape, objects: &[MappedObject], alpha: f64, strategy: Strategy) -> Plan {
+    let room = &shape.outline;
     make(&PlanRequest {
-        shape: &rooms::shape(room),
+        shape,
         objects,
         driven: &Coverage::of(&rooms::lap(room, 0.145)),
         from: Point::new(0.5, 0.145),

@@ -1,0 +1,71 @@
+//! What the plan of a room with arcs promises.
+
+use super::*;
+use crate::geometry::angle;
+use crate::mapping::map::PartClass;
+use crate::mapping::shape::identify;
+
+/// A piece of a disc of 2 m about the origin, bent over `degrees`, and its straight side to the west.
+fn segment(degrees: f64) -> Ring {
+    let half = (degrees / 2.0).to_radians();
+    let corner = angle::unit(half) * 2.0;
+    rooms::bent(&[(corner.x, -corner.y, degrees), (corner.x, corner.y, 0.0)])
+}
+
+fn classes(shape: &Shape) -> Vec<PartClass> {
+    shape.parts.iter().map(|part| part.class).collect()
+}
+
+fn kept(plan: &Plan) -> impl Iterator<Item = &PlanLine> {
+    plan.lines.iter().filter(|line| line.status == LineStatus::Planned)
+}
+
+/// Plans the room as it was found to be and looks at what every circular room's plan has to be.
+fn planned(room: &Ring, want: &[PartClass], alpha: f64) -> Plan {
+    let shape = identify(room.clone(), &[]);
+    assert_eq!(classes(&shape), want);
+    let plan = plan_in(&shape, &[], alpha, Strategy::Paper);
+    for part in 0..want.len() {
+        assert!(kept(&plan).any(|line| line.part == part), "no line in part {part}");
+    }
+    for line in kept(&plan) {
+        let at = |share| line.start + (line.end - line.start) * share;
+        for end in [line.start, line.end] {
+            let off = if room.contains(end) { 0.0 } else { room.distance(end) };
+            assert!(off < 0.002, "{line:?} has an end {off} m outside");
+        }
+        let inside = (1..20).all(|k| room.contains(at(f64::from(k) / 20.0)));
+        assert!(inside, "{line:?} leaves the room");
+    }
+    assert!(plan.figures.hidden_disc <= alpha, "{:?}", plan.figures);
+    let lean = plan.alternatives.iter().find(|f| f.strategy == Strategy::Lean).unwrap();
+    assert!(lean.hidden_disc <= alpha, "{lean:?}");
+    plan
+}
+
+#[test]
+fn a_quarter_of_a_disc_is_planned_though_its_fitted_centre_lies_outside() {
+    for degrees in [89.0, 89.9, 90.0, 90.1, 91.0] {
+        let room = rooms::bent(&[(0.0, 0.0, 0.0), (3.0, 0.0, degrees), (0.0, 3.0, 0.0)]);
+        let plan = planned(&room, &[PartClass::Sector], 0.4);
+        // An arc of 4.7 m: eleven radii between the two along the walls.
+        let count = kept(&plan).count();
+        assert!((10..=12).contains(&count), "{count} lines at {degrees} degrees");
+    }
+}
+
+#[test]
+fn less_than_half_a_disc_is_planned_from_its_arc_to_its_straight_side() {
+    for degrees in [100.0, 140.0, 165.0] {
+        let plan = planned(&segment(degrees), &[PartClass::Sector], 0.3);
+        let x = 2.0 * angle::cos((degrees / 2.0).to_radians());
+        assert!(kept(&plan).all(|line| (line.end.x - x).abs() < 1e-6), "at {degrees} degrees");
+    }
+}
+
+#[test]
+fn of_a_lens_each_half_is_planned_to_the_cut_between_them() {
+    let room = rooms::bent(&[(-1.8, 0.0, 100.0), (1.8, 0.0, 100.0)]);
+    let plan = planned(&room, &[PartClass::Sector, PartClass::Sector], 0.3);
+    assert!(kept(&plan).all(|line| line.end.y.abs() < 1e-6));
+}

@@ -14,6 +14,8 @@ const STREAM: u64 = 0x0111_000E;
 const ALONG: f64 = 0.002;
 /// A centre that lies off by this share of the radius is that of another circle.
 const OTHER: f64 = 0.1;
+/// A point of the arc lies on it within this, metres.
+const ON_RIM: f64 = 1e-6;
 /// Chords stand for arcs within this, metres.
 const SAGITTA: f64 = 0.001;
 /// Shares of a line this near to each other are one and the same.
@@ -26,6 +28,8 @@ pub(super) struct Disc<'a> {
     center: Point,
     radius: f64,
     alpha: f64,
+    /// What bounds the part besides its arc, with the part on the left.
+    sides: Vec<Segment>,
 }
 
 impl<'a> Disc<'a> {
@@ -35,15 +39,17 @@ impl<'a> Disc<'a> {
             PartClass::Circle | PartClass::Semicircle | PartClass::Sector => part.circle?,
             PartClass::Convex | PartClass::Concave => return None,
         };
-        Some(Self { index, part, center, radius, alpha })
+        let mut disc = Self { index, part, center, radius, alpha, sides: Vec::new() };
+        disc.sides = disc.sides();
+        Some(disc)
     }
 
     /// Enters the lines.
     pub(super) fn lines(&self, entries: &mut Entries<'_>, seed: u64) {
-        if self.part.class == PartClass::Circle {
-            self.diameters(entries, seed);
-        } else {
+        if has_radii(self.part) {
             self.radii(entries);
+        } else {
+            self.diameters(entries, seed);
         }
     }
 
@@ -55,7 +61,12 @@ impl<'a> Disc<'a> {
         let first = random.random::<f64>() * angle::TAU;
         let step = self.alpha / radius;
         let count = (angle::TAU / step - 1e-9).ceil().max(1.0) as usize;
-        let turns: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
+        // What is missing of the disc has no points to begin at.
+        let on_rim = |turn: &f64| {
+            let at = center + angle::unit(first - turn) * radius;
+            self.part.ring.pieces.iter().any(|p| self.is_rim(p) && p.distance(at) < ON_RIM)
+        };
+        let turns: Vec<f64> = (0..count).map(|k| k as f64 * step).filter(on_rim).collect();
         for (vertex, &turn) in turns.iter().enumerate() {
             let away = angle::unit(first - turn) * radius;
             // The far end of an earlier diameter: the same line run the other way.
@@ -65,7 +76,7 @@ impl<'a> Disc<'a> {
                 part: self.index,
                 vertex,
                 start: center + away,
-                end: center - away,
+                end: until(&self.sides, center + away, center - away),
                 angle: angle::FRAC_PI_2,
                 reason: again.then_some(LineReason::Duplicate),
             });
@@ -74,23 +85,22 @@ impl<'a> Disc<'a> {
 
     /// Radii from the arc of the part to the centre, clockwise, both ends of the arc included.
     fn radii(&self, entries: &mut Entries<'_>) {
-        let (sides, middle) = (self.sides(), self.middle());
+        let middle = self.middle();
         let mut vertex = 0;
         for piece in self.part.ring.pieces.iter().filter(|piece| self.is_rim(piece)) {
             let Piece::Arc { center: own, radius, start, sweep } = *piece else {
                 continue;
             };
-            let size = sweep.abs();
             let step = self.alpha / radius;
-            let count = (size / step - 1e-9).ceil().max(1.0) as usize;
-            let last = if sweep > 0.0 { start + sweep } else { start };
+            let count = (sweep / step - 1e-9).ceil().max(1.0) as usize;
             for k in 0..=count {
-                let from = own + angle::unit(last - (k as f64 * step).min(size)) * radius;
+                let turned = start + sweep - (k as f64 * step).min(sweep);
+                let from = own + angle::unit(turned) * radius;
                 let (mut end, mut reason) = (middle, self.reason(entries, from, middle));
                 // The centre of less than half a disc lies beyond its chord, where there is a wall or what is none
                 // of this part.
                 if reason == Some(LineReason::LeavesArea) {
-                    end = until(&sides, from, middle);
+                    end = until(&self.sides, from, middle);
                     reason = self.reason(entries, from, end);
                 }
                 entries.enter(&Entry {
@@ -119,10 +129,14 @@ impl<'a> Disc<'a> {
 
     /// Whether lines begin on this piece: arcs of other circles bound the part, but its lines lead to its own centre.
     fn is_rim(&self, piece: &Piece) -> bool {
-        matches!(*piece, Piece::Arc { center, .. } if (center - self.center).norm() <= OTHER * self.radius)
+        match *piece {
+            Piece::Arc { center, sweep, .. } => {
+                sweep > 0.0 && (center - self.center).norm() <= OTHER * self.radius
+            }
+            Piece::Line { .. } => false,
+        }
     }
 
-    /// What else bounds the part, with the part on the left.
     fn sides(&self) -> Vec<Segment> {
         let others = self.part.ring.pieces.iter().filter(|piece| !self.is_rim(piece));
         let points = others.map(|piece| {
@@ -150,6 +164,11 @@ impl<'a> Disc<'a> {
         let clear = entries.floor.is_clear(inner, from + (end - from) * 0.98, 1e-3);
         (!(room && clear)).then_some(LineReason::LeavesArea)
     }
+}
+
+/// Whether the lines of a part are radii, which come together at its middle.
+fn has_radii(part: &Part) -> bool {
+    matches!(part.class, PartClass::Semicircle | PartClass::Sector) && part.circle.is_some()
 }
 
 /// Where the way from `from` to `to` first leaves the part that lies on the left of `sides`; `to` if it does not.

@@ -69,3 +69,12 @@ fn of_a_lens_each_half_is_planned_to_the_cut_between_them() {
     let plan = planned(&room, &[PartClass::Sector, PartClass::Sector], 0.3);
     assert!(kept(&plan).all(|line| line.end.y.abs() < 1e-6));
 }
+
+#[test]
+fn diameters_of_a_round_room_with_a_straight_wall_begin_and_end_at_its_walls() {
+    let plan = planned(&segment(270.0), &[PartClass::Circle], 0.4);
+    assert!(kept(&plan).count() > 15, "{:?}", plan.figures);
+    for line in kept(&plan) {
+        assert!((line.start.coords.norm() - 2.0).abs() < 1e-6, "{line:?}");
+    }
+}

@@ -37,7 +37,7 @@ impl<'a> Disc<'a> {
     pub(super) fn new(index: usize, part: &'a Part, alpha: f64) -> Option<Self> {
         let (center, radius) = match part.class {
             PartClass::Circle | PartClass::Semicircle | PartClass::Sector => part.circle?,
-            PartClass::Convex | PartClass::Concave => return None,
+            PartClass::Convex | PartClass::Concave => bitten(part)?,
         };
         let mut disc = Self { index, part, center, radius, alpha, sides: Vec::new() };
         disc.sides = disc.sides();
@@ -169,6 +169,19 @@ impl<'a> Disc<'a> {
 /// Whether the lines of a part are radii, which come together at its middle.
 fn has_radii(part: &Part) -> bool {
     matches!(part.class, PartClass::Semicircle | PartClass::Sector) && part.circle.is_some()
+}
+
+/// The circle of the longest arc of a part that has no edge opposite to any of its vertices: a disc out of which
+/// another took a bite.
+fn bitten(part: &Part) -> Option<(Point, f64)> {
+    let arcs = part.ring.pieces.iter().filter_map(|piece| match *piece {
+        Piece::Arc { center, radius, sweep, .. } if sweep > 0.0 => {
+            Some((radius * sweep, (center, radius)))
+        }
+        _ => None,
+    });
+    let longest = arcs.max_by(|a, b| a.0.total_cmp(&b.0));
+    longest.filter(|_| part.ring.pieces.len() < 3).map(|(_, circle)| circle)
 }
 
 /// Where the way from `from` to `to` first leaves the part that lies on the left of `sides`; `to` if it does not.

@@ -71,6 +71,17 @@ fn of_a_lens_each_half_is_planned_to_the_cut_between_them() {
 }
 
 #[test]
+fn a_round_room_with_a_round_bite_is_planned_by_diameters() {
+    let (x, y) = (2.0 * angle::cos(angle::PI / 18.0), 2.0 * angle::sin(angle::PI / 18.0));
+    let bitten = rooms::bent(&[(x, y, 340.0), (x, -y, -200.0)]);
+    let plan = planned(&bitten, &[PartClass::Concave], 0.4);
+    assert!((20..=32).contains(&kept(&plan).count()), "{:?}", plan.figures);
+    // Of a crescent the centre lies in the bite.
+    let crescent = rooms::bent(&[(-2.0, 0.0, 180.0), (2.0, 0.0, -100.0)]).counter_clockwise();
+    planned(&crescent, &[PartClass::Concave], 0.4);
+}
+
+#[test]
 fn diameters_of_a_round_room_with_a_straight_wall_begin_and_end_at_its_walls() {
     let plan = planned(&segment(270.0), &[PartClass::Circle], 0.4);
     assert!(kept(&plan).count() > 15, "{:?}", plan.figures);

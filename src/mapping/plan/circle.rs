@@ -167,7 +167,7 @@ impl<'a> Disc<'a> {
 }
 
 /// Whether the lines of a part are radii, which come together at its middle.
-fn has_radii(part: &Part) -> bool {
+pub(super) fn has_radii(part: &Part) -> bool {
     matches!(part.class, PartClass::Semicircle | PartClass::Sector) && part.circle.is_some()
 }
 

@@ -2,8 +2,8 @@
 //! plan (III.F); the shortest found for the others: nearest line first, then improved by turning
 //! round pieces of the tour (2-opt) and moving single lines until nothing gets shorter.
 
-use super::Work;
 use super::travel::Travel;
+use super::{Work, circle};
 use crate::geometry::Point;
 use crate::mapping::map::{LineStatus, PlanLine};
 use std::collections::BTreeMap;
@@ -17,23 +17,26 @@ const FAR: f64 = 1e4;
 const ROUNDS: usize = 40;
 
 /// The paper's order: the nearest vertex first, its lines by rising angle, every other one from
-/// the far end back; then the nearest vertex with lines left. Also its length in metres.
+/// the far end back; then the nearest vertex with lines left. The radii of a part, which come
+/// together at its middle, are one such fan, from whichever of its ends is nearer. Also its length
+/// in metres.
 pub(super) fn by_vertex(work: &Work<'_>, lines: &[PlanLine]) -> (Order, f64) {
-    let mut fans: BTreeMap<(usize, usize), Vec<&PlanLine>> = BTreeMap::new();
-    for line in lines {
-        if line.status == LineStatus::Planned && line.drive.is_some() {
-            fans.entry((line.part, line.vertex)).or_default().push(line);
-        }
-    }
+    let mut fans = fans(work, lines);
     let travel = Travel::new(work.floor);
     let (mut order, mut length, mut at) = (Vec::new(), 0.0, work.from);
     while !fans.is_empty() {
-        let near = |fan: &[&PlanLine]| (fan[0].start - at).norm_squared();
+        let off = |line: &&PlanLine| (line.start - at).norm_squared();
+        let near = |fan: &Vec<&PlanLine>| {
+            let ends = [fan.first(), fan.last()].into_iter().flatten().map(off);
+            ends.fold(f64::INFINITY, f64::min)
+        };
         let next = fans.iter().min_by(|a, b| near(a.1).total_cmp(&near(b.1))).map(|(&key, _)| key);
         let Some(mut fan) = next.and_then(|key| fans.remove(&key)) else {
             break;
         };
-        fan.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.id.cmp(&b.id)));
+        if fan.first().map(off) > fan.last().map(off) {
+            fan.reverse();
+        }
         for (k, line) in fan.iter().enumerate() {
             let Some((from, to)) = line.drive else {
                 continue;
@@ -49,6 +52,22 @@ pub(super) fn by_vertex(work: &Work<'_>, lines: &[PlanLine]) -> (Order, f64) {
         }
     }
     (order, length)
+}
+
+/// The lines to be driven, by part and vertex, each fan by rising angle.
+fn fans<'a>(work: &Work<'_>, lines: &'a [PlanLine]) -> BTreeMap<(usize, usize), Vec<&'a PlanLine>> {
+    let mut fans: BTreeMap<_, Vec<&PlanLine>> = BTreeMap::new();
+    for line in lines {
+        if line.status == LineStatus::Planned && line.drive.is_some() {
+            let radius = work.shape.parts.get(line.part).is_some_and(circle::has_radii);
+            let vertex = if radius { 0 } else { line.vertex };
+            fans.entry((line.part, vertex)).or_default().push(line);
+        }
+    }
+    for fan in fans.values_mut() {
+        fan.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.id.cmp(&b.id)));
+    }
+    fans
 }
 
 fn connection(work: &Work<'_>, travel: &Travel, at: Point, to: Point) -> f64 {

@@ -89,3 +89,18 @@ fn diameters_of_a_round_room_with_a_straight_wall_begin_and_end_at_its_walls() {
         assert!((line.start.coords.norm() - 2.0).abs() < 1e-6, "{line:?}");
     }
 }
+
+#[test]
+fn the_radii_of_a_part_are_driven_in_and_out_by_turns() {
+    let plan = planned(&segment(180.0), &[PartClass::Semicircle], 0.5);
+    let line = |id: u32| plan.lines.iter().find(|line| line.id == id).unwrap();
+    for (k, &(_, back)) in plan.order.iter().enumerate() {
+        assert_eq!(back, k % 2 == 1, "in place {k}");
+    }
+    for pair in plan.order.windows(2) {
+        let apart = (line(pair[0].0).start - line(pair[1].0).start).norm();
+        assert!(apart < 0.51, "{pair:?} begin {apart} m apart");
+    }
+    let driven: f64 = kept(&plan).filter_map(|l| l.drive).map(|(a, b)| (b - a).norm()).sum();
+    assert!(plan.figures.length < 1.4 * driven, "{driven} m of {:?}", plan.figures);
+}

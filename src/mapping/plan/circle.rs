@@ -150,19 +150,26 @@ impl<'a> Disc<'a> {
         points.flat_map(pairs).collect()
     }
 
-    fn reason(&self, entries: &Entries<'_>, from: Point, end: Point) -> Option<LineReason> {
+    fn reason(&self, entries: &mut Entries<'_>, from: Point, end: Point) -> Option<LineReason> {
         let places = [0.25, 0.5, 0.75].map(|t| from + (end - from) * t);
-        let along = self.part.ring.pieces.iter().zip(&self.part.cut).any(|(piece, &cut)| {
-            let wall = matches!(piece, Piece::Line { .. }) && !cut;
-            wall && places.iter().all(|&p| piece.distance(p) < ALONG)
-        });
-        if along {
+        let along = |side: bool| {
+            self.part.ring.pieces.iter().zip(&self.part.cut).any(|(piece, &cut)| {
+                let straight = matches!(piece, Piece::Line { .. }) && cut == side;
+                straight && places.iter().all(|&p| piece.distance(p) < ALONG)
+            })
+        };
+        if along(false) {
             return Some(LineReason::AlongBoundary);
         }
         let inner = from + (end - from) * 0.02;
         let room = entries.floor.wall_clearance(end) > -ALONG;
-        let clear = entries.floor.is_clear(inner, from + (end - from) * 0.98, 1e-3);
-        (!(room && clear)).then_some(LineReason::LeavesArea)
+        if !(room && entries.floor.is_clear(inner, from + (end - from) * 0.98, 1e-3)) {
+            return Some(LineReason::LeavesArea);
+        }
+        // The part on the other side of a cut has it too: a polygon from end to end, half a disc its own radii.
+        let again = along(true)
+            && (entries.polygon_has(&places, ALONG) || entries.crossed_before(from, end));
+        again.then_some(LineReason::Duplicate)
     }
 }
 

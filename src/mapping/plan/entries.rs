@@ -2,7 +2,7 @@
 //! and says why not where there is none.
 
 use super::drive;
-use crate::geometry::Point;
+use crate::geometry::{Point, Segment};
 use crate::mapping::floor::Floor;
 use crate::mapping::map::{LineReason, LineStatus, PlanLine};
 
@@ -16,6 +16,8 @@ const SAME: f64 = 1e-6;
 pub(super) struct Entries<'a> {
     pub(super) floor: &'a Floor,
     lines: Vec<PlanLine>,
+    /// Cuts that bound a polygonal part, which has a line along each.
+    cuts: Vec<Segment>,
     /// Ends of lines along cuts: the part on the other side has the same line.
     along_cuts: Vec<(Point, Point)>,
     leaving: usize,
@@ -33,8 +35,9 @@ pub(super) struct Entry {
 }
 
 impl<'a> Entries<'a> {
-    pub(super) fn new(floor: &'a Floor) -> Self {
-        Self { floor, lines: Vec::new(), along_cuts: Vec::new(), leaving: 0, duplicate: 0 }
+    /// None yet; `cuts` are those that bound polygonal parts.
+    pub(super) fn new(floor: &'a Floor, cuts: Vec<Segment>) -> Self {
+        Self { floor, lines: Vec::new(), cuts, along_cuts: Vec::new(), leaving: 0, duplicate: 0 }
     }
 
     pub(super) fn into_lines(self) -> Vec<PlanLine> {
@@ -87,6 +90,12 @@ impl<'a> Entries<'a> {
         } else {
             LineReason::NoClearance
         }
+    }
+
+    /// Whether a polygonal part has a line along the cut on which all of these `places` lie, within `off` metres.
+    pub(super) fn polygon_has(&self, places: &[Point], off: f64) -> bool {
+        let on = |cut: &Segment| places.iter().all(|&p| cut.distance_squared(p) < off * off);
+        self.cuts.iter().any(on)
     }
 
     /// Whether the line along a cut was entered from the other side; remembers it if not.

@@ -3,7 +3,7 @@
 use super::circle::Disc;
 use super::entries::{Entries, Entry};
 use crate::geometry::visibility::Sight;
-use crate::geometry::{Piece, Point, angle, ring};
+use crate::geometry::{Piece, Point, Segment, angle, ring};
 use crate::mapping::floor::Floor;
 use crate::mapping::map::{LineReason, Part, PlanLine, Shape};
 
@@ -19,9 +19,14 @@ const SAME: f64 = 1e-9;
 /// from 1. `seed` picks the first diameter of a circle.
 #[must_use]
 pub fn lines(floor: &Floor, shape: &Shape, alpha: f64, seed: u64) -> Vec<PlanLine> {
-    let mut entries = Entries::new(floor);
-    for (index, part) in shape.parts.iter().enumerate() {
-        match Disc::new(index, part, alpha) {
+    let discs: Vec<Option<Disc<'_>>> =
+        shape.parts.iter().enumerate().map(|(index, part)| Disc::new(index, part, alpha)).collect();
+    let polygons = shape.parts.iter().zip(&discs).filter(|(_, disc)| disc.is_none());
+    let cuts = polygons.flat_map(|(part, _)| part.ring.pieces.iter().zip(&part.cut));
+    let cuts = cuts.filter(|(_, cut)| **cut).map(|(p, _)| Segment::new(p.from(), p.to())).collect();
+    let mut entries = Entries::new(floor, cuts);
+    for (index, (part, disc)) in shape.parts.iter().zip(&discs).enumerate() {
+        match disc {
             Some(disc) => disc.lines(&mut entries, seed),
             None => Fan::new(index, part, alpha).lines(&mut entries),
         }

@@ -20,6 +20,13 @@ fn kept(plan: &Plan) -> impl Iterator<Item = &PlanLine> {
     plan.lines.iter().filter(|line| line.status == LineStatus::Planned)
 }
 
+/// The lines kept that run along the straight way from `a` to `b`.
+fn kept_along(plan: &Plan, a: Point, b: Point) -> usize {
+    let way = Segment::new(a, b);
+    let on = |p: Point| way.distance_squared(p).sqrt() < 1e-6;
+    kept(plan).filter(|line| on(line.start) && on(line.end)).count()
+}
+
 /// Plans the room as it was found to be and looks at what every circular room's plan has to be.
 fn planned(room: &Ring, want: &[PartClass], alpha: f64) -> Plan {
     let shape = identify(room.clone(), &[]);
@@ -103,4 +110,19 @@ fn the_radii_of_a_part_are_driven_in_and_out_by_turns() {
     }
     let driven: f64 = kept(&plan).filter_map(|l| l.drive).map(|(a, b)| (b - a).norm()).sum();
     assert!(plan.figures.length < 1.4 * driven, "{driven} m of {:?}", plan.figures);
+}
+
+#[test]
+fn a_cut_beside_a_semicircle_is_driven_along_once() {
+    let room =
+        rooms::bent(&[(0.0, 0.0, 0.0), (4.0, 0.0, 180.0), (4.0, 3.0, 0.0), (0.0, 3.0, 180.0)]);
+    let half = PartClass::Semicircle;
+    let plan = planned(&room, &[half, half, PartClass::Convex], 0.5);
+    for x in [0.0, 4.0] {
+        assert_eq!(kept_along(&plan, Point::new(x, 0.0), Point::new(x, 3.0)), 1, "at {x}");
+    }
+    // Two halves of a disc: along the cut between them the radii of one.
+    let disc = rooms::bent(&[(-2.0, 0.0, 180.0), (2.0, 0.0, 180.0)]);
+    let plan = planned(&disc, &[half, half], 0.5);
+    assert_eq!(kept_along(&plan, Point::new(-2.0, 0.0), Point::new(2.0, 0.0)), 2);
 }

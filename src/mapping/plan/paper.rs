@@ -3,9 +3,10 @@
 use super::circle::Disc;
 use super::entries::{Entries, Entry};
 use crate::geometry::visibility::Sight;
-use crate::geometry::{Piece, Point, Segment, angle, ring};
+use crate::geometry::{Piece, Point, Segment, angle, cross, ring};
 use crate::mapping::floor::Floor;
 use crate::mapping::map::{LineReason, Part, PlanLine, Shape};
+use crate::mapping::shape::TURN_POINT;
 
 /// Arcs of polygonal parts are judged by chords within this, metres.
 const SAGITTA: f64 = 0.001;
@@ -44,6 +45,8 @@ struct Fan<'a> {
     corners: Vec<Point>,
     /// For every piece, the first of its corners in `corners`.
     first: Vec<usize>,
+    /// The pieces that begin at a vertex. An edge is what lies between two of these.
+    vertices: Vec<usize>,
     /// Which pairs of vertices have their line.
     joined: Vec<bool>,
 }
@@ -65,16 +68,17 @@ impl<'a> Fan<'a> {
             sight: Sight::new(corners.clone()),
             corners,
             first,
+            vertices: vertices(part),
             joined: vec![false; pieces.len() * pieces.len()],
         }
     }
 
     fn lines(mut self, entries: &mut Entries<'_>) {
-        let count = self.pieces.len();
+        let count = self.vertices.len();
         for vertex in 0..count {
             // In boundary order from the vertex on, which is the order of rising angle.
             for step in 1..count.saturating_sub(1) {
-                self.fan(entries, vertex, (vertex + step) % count);
+                self.fan(entries, self.vertices[vertex], (vertex + step) % count);
             }
         }
     }
@@ -82,26 +86,45 @@ impl<'a> Fan<'a> {
     /// Lines from `vertex` to places α apart on the opposite `edge`, both its ends included.
     fn fan(&mut self, entries: &mut Entries<'_>, vertex: usize, edge: usize) {
         let count = self.pieces.len();
-        let after = (edge + 1) % count;
-        let length = self.pieces[edge].length();
-        self.fan_to_vertex(entries, vertex, edge);
+        let (begin, after) = (self.vertices[edge], self.vertices[(edge + 1) % self.vertices.len()]);
+        self.fan_to_vertex(entries, vertex, begin);
+        let (mut piece, mut before) = (begin, 0.0);
+        let parts = (after + count - begin - 1) % count + 1;
+        let length: f64 = (0..parts).map(|k| self.pieces[(begin + k) % count].length()).sum();
         // A wall measured a millimetre too long does not get a line more.
         let steps = (length / self.alpha - LAST.min(0.1 * self.alpha) / self.alpha).ceil();
         let steps = steps.max(1.0) as u32;
         for k in 1..steps {
-            let share = f64::from(k) * self.alpha / length;
-            let end = self.pieces[edge].at(share);
-            let chords = f64::from(chords_of(&self.pieces[edge]));
-            let chord = self.first[edge] + ((share * chords) as usize).min(chords as usize - 1);
-            let inside = self.sight.corner_to_edge(self.first[vertex], chord, end);
-            let reason = match self.along(vertex, end) {
-                Some(true) => Some(LineReason::AlongBoundary),
-                _ if !inside => Some(LineReason::LeavesArea),
-                _ => None,
-            };
-            self.enter(entries, vertex, end, reason);
+            let gone = f64::from(k) * self.alpha;
+            while (piece + 1) % count != after
+                && gone - before >= self.pieces[piece].length() - SAME
+            {
+                before += self.pieces[piece].length();
+                piece = (piece + 1) % count;
+            }
+            self.fan_to_place(entries, vertex, piece, gone - before);
         }
         self.fan_to_vertex(entries, vertex, after);
+    }
+
+    /// The line from `vertex` to the place that lies `gone` metres along a piece.
+    fn fan_to_place(&self, entries: &mut Entries<'_>, vertex: usize, piece: usize, gone: f64) {
+        let (from, to) = (self.first[vertex], self.first[piece]);
+        let share = gone / self.pieces[piece].length();
+        let end = self.pieces[piece].at(share);
+        let chords = f64::from(chords_of(&self.pieces[piece]));
+        let chord = to + ((share * chords) as usize).min(chords as usize - 1);
+        let inside = if gone < SAME {
+            self.sight.corner_to_corner(from, to)
+        } else {
+            self.sight.corner_to_edge(from, chord, end)
+        };
+        let reason = match self.along(vertex, end) {
+            Some(true) => Some(LineReason::AlongBoundary),
+            _ if !inside => Some(LineReason::LeavesArea),
+            _ => None,
+        };
+        self.enter(entries, vertex, end, reason);
     }
 
     fn fan_to_vertex(&mut self, entries: &mut Entries<'_>, vertex: usize, other: usize) {
@@ -172,7 +195,7 @@ impl<'a> Fan<'a> {
         for (piece, next) in walk {
             let gone = next - start;
             let straight = matches!(self.pieces[piece], Piece::Line { .. })
-                && crate::geometry::cross(way, gone).abs() <= SAME * length
+                && cross(way, gone).abs() <= SAME * length
                 && gone.dot(&way) > 0.0;
             if !straight {
                 return None;
@@ -184,6 +207,34 @@ impl<'a> Fan<'a> {
         }
         None
     }
+}
+
+/// The pieces of a part that begin at a vertex. Where a straight piece goes on in the direction of the one before
+/// there is none (III.D): lines from there would look at what those of the true vertices look at. Where a cut goes
+/// on as a wall, the outline of the room does turn.
+fn vertices(part: &Part) -> Vec<usize> {
+    let pieces = &part.ring.pieces;
+    let count = pieces.len();
+    let is_cut = |k: usize| part.cut.get(k).copied().unwrap_or(false);
+    let turns = |from: usize, to: usize| match (pieces[from], pieces[to]) {
+        (Piece::Line { .. }, Piece::Line { .. }) if is_cut(from) == is_cut(to) => {
+            let (u, v) = (pieces[from].tangent(1.0), pieces[to].tangent(0.0));
+            angle::atan2(cross(u, v), u.dot(&v)).abs() > TURN_POINT
+        }
+        _ => true,
+    };
+    let Some(start) = (0..count).find(|&k| turns((k + count - 1) % count, k)) else {
+        return (0..count).collect();
+    };
+    let mut vertices = vec![start];
+    for k in (start + 1..start + count).map(|k| k % count) {
+        // Small turns one after the other make a large one.
+        if vertices.last().is_some_and(|&side| turns(side, k)) {
+            vertices.push(k);
+        }
+    }
+    vertices.sort_unstable();
+    if vertices.len() < 3 { (0..count).collect() } else { vertices }
 }
 
 fn chords_of(piece: &Piece) -> u32 {
@@ -230,6 +281,38 @@ mod tests {
             let lines = planned(&rooms::rectangle(5.0 + excess, 4.0 + excess), 1.0);
             assert_eq!(count(&lines, None), 30, "{excess}");
         }
+    }
+
+    #[test]
+    fn where_a_wall_does_not_turn_there_is_no_vertex() {
+        let whole = planned(&rooms::rectangle(4.0, 3.0), 0.5);
+        // In the middle, off the places that lines lead to, and bent as little as a fit bends a wall.
+        for (x, y) in [(2.0, 0.0), (1.3, 0.0), (1.3, 0.01), (1.3, -0.01)] {
+            let corners = [(0.0, 0.0), (x, y), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)];
+            let lines = planned(&rooms::polygon(&corners), 0.5);
+            assert_eq!(count(&lines, None), count(&whole, None), "{x}, {y}");
+            let ends = |lines: &[PlanLine]| -> Vec<Point> {
+                let kept = lines.iter().filter(|line| line.reason.is_none());
+                kept.map(|line| line.end).collect()
+            };
+            for (a, b) in ends(&lines).iter().zip(ends(&whole)) {
+                assert!((a - b).norm() < 0.02, "{a} instead of {b} by {x}, {y}");
+            }
+        }
+        assert_eq!(count(&whole, None), 50);
+    }
+
+    #[test]
+    fn a_turn_is_a_vertex_however_many_small_ones_make_it() {
+        // A wall of three pieces, bent by 0.8 degrees at a time.
+        let bend = |k: f64| (0.8 * k).to_radians();
+        let (b, c) = (Point::new(1.5, 0.0), Point::new(3.0, 1.5 * angle::tan(bend(1.0))));
+        let d = c + angle::unit(bend(2.0)) * 1.5;
+        let corners = [(0.0, 0.0), (b.x, b.y), (c.x, c.y), (d.x, d.y), (d.x, 3.0), (0.0, 3.0)];
+        let lines = planned(&rooms::polygon(&corners), 0.5);
+        let mut vertices: Vec<usize> = lines.iter().map(|line| line.vertex).collect();
+        vertices.dedup();
+        assert_eq!(vertices, [0, 2, 3, 4, 5]);
     }
 
     #[test]

@@ -75,7 +75,9 @@ impl Floor {
         let mut free = wall.clone();
         let coarse: Vec<_> = objects.iter().map(|object| chords(object, COARSE)).collect();
         reach::stand_on(&grid, &coarse, &mut free);
-        let object_chords = objects.iter().flat_map(|object| chords(object, SAGITTA)).collect();
+        // All the same way round, so that two outlines that overlap do not cancel each other out.
+        let solids = objects.iter().map(|&object| object.clone().counter_clockwise());
+        let object_chords = solids.flat_map(|object| chords(&object, SAGITTA)).collect();
         let mut floor = Self {
             grid,
             radius: chassis.radius,
@@ -110,7 +112,7 @@ impl Floor {
         let within = if known.abs() > self.grid.cell {
             known > 0.0
         } else {
-            odd_crossings(self.walls.segments(), p)
+            winding(self.walls.segments(), p) % 2 != 0
         };
         if within { distance } else { -distance }
     }
@@ -135,7 +137,7 @@ impl Floor {
             return f64::INFINITY;
         }
         let distance = self.objects.distance(p, f64::INFINITY);
-        if odd_crossings(self.objects.segments(), p) { -distance } else { distance }
+        if winding(self.objects.segments(), p) == 0 { distance } else { -distance }
     }
 
     /// The same as far as it is less than `most`, if `p` is within the boundary; else `most` or more.
@@ -151,7 +153,7 @@ impl Floor {
         }
         let distance = self.objects.distance_within(p, most);
         let outside = known > self.grid.cell + COARSE;
-        if outside || !odd_crossings(self.objects.segments(), p) {
+        if outside || winding(self.objects.segments(), p) == 0 {
             distance
         } else {
             -self.objects.distance(p, f64::INFINITY)
@@ -225,14 +227,21 @@ fn signed(grid: &Grid, outline: &[Segment], inner: f32) -> Vec<f32> {
         .collect()
 }
 
-/// Whether a ray from `p` crosses the outlines an odd number of times.
-fn odd_crossings(outline: &[Segment], p: Point) -> bool {
-    let crossed = outline.iter().filter(|s| {
+/// How many times the outlines run round `p`, counter-clockwise.
+fn winding(outline: &[Segment], p: Point) -> i32 {
+    let crossings = outline.iter().map(|s| {
         let (from, to) = (s.from, s.to());
         let between = (from.y <= p.y) != (to.y <= p.y);
-        between && p.x < from.x + (p.y - from.y) / (to.y - from.y) * (to.x - from.x)
+        let crosses = between && p.x < from.x + (p.y - from.y) / (to.y - from.y) * (to.x - from.x);
+        if !crosses {
+            0
+        } else if from.y < to.y {
+            1
+        } else {
+            -1
+        }
     });
-    crossed.count() % 2 == 1
+    crossings.sum()
 }
 
 #[cfg(test)]
@@ -258,6 +267,21 @@ mod tests {
         for ((x, y), want) in cases {
             let got = floor.clearance(Point::new(x, y));
             assert!((got - want).abs() < 1e-9, "{got} instead of {want} at {x}, {y}");
+        }
+    }
+
+    #[test]
+    fn within_two_objects_that_overlap_it_is_not_free() {
+        let (one, other) = (rooms::boxed(1.0, 1.0, 2.0, 2.0), rooms::boxed(1.6, 1.2, 2.6, 2.2));
+        let both = Point::new(1.8, 1.6);
+        for other in [other.clone(), other.reversed()] {
+            let floor = rooms::floor(&rooms::rectangle(4.0, 3.0), &[&one, &other]);
+            let cases = [(both, -0.2), (Point::new(1.2, 1.5), -0.2), (Point::new(2.4, 1.7), -0.2)];
+            for (at, want) in cases {
+                let got = [floor.clearance(at), floor.object_clearance(at)];
+                assert!(got.iter().all(|got| (got - want).abs() < 1e-9), "{got:?} at {at}");
+            }
+            assert!((floor.clearance(Point::new(1.2, 2.4)) - 0.4).abs() < 1e-9);
         }
     }
 

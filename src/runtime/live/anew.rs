@@ -5,7 +5,7 @@ use super::restart::Restart;
 use super::{Interrupted, LiveRun};
 use crate::export::Outcome;
 use crate::journal::Journal;
-use crate::robot::Intent;
+use crate::robot::{Chassis, Intent};
 use crate::wire::host::Identity;
 use std::io::Write;
 
@@ -29,36 +29,34 @@ impl<W: Write> LiveRun<W> {
     }
 
     /// Goes on with a run, if this is its robot; in another life of it, or carried, it has to find its
-    /// place first.
+    /// place first. For a robot that is not its own the run waits on, and its record is not touched.
     pub(super) fn take_up(&mut self, interrupted: Interrupted, identity: &Identity, now: f64) {
-        let Interrupted { session, robot, life, unrecorded, records, placed } = interrupted;
-        let was = &session.mission().settings().chassis;
-        let reason = if robot.name != identity.name {
-            format!("the run was made with {}, and this is {}", robot.name, identity.name)
-        } else if *was != identity.chassis {
-            "the robot has another body or other switches than in the run".to_owned()
-        } else {
-            self.journal = self.out.take().map(|out| Journal::go_on(out, records));
-            let time_us = session.mission().tracker().time_us();
-            for command in &unrecorded {
-                if let Some(journal) = &mut self.journal {
-                    journal.command(time_us, command);
-                }
-            }
-            let again = life.map_or(robot.boot, |life| life.boot) != identity.boot;
-            if again {
-                self.restarted = session.mission().tracker().last();
-            } else {
-                self.restart = life.as_ref().map(Restart::recorded);
-            }
-            self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
+        let was = &interrupted.session.mission().settings().chassis;
+        if let Some(why) = differs(&interrupted.robot.name, was, identity) {
+            self.interrupted = Some(interrupted);
+            // Whatever kept it away before, this does now.
             self.ended = None;
-            self.session = Some(session);
-            self.intent(Intent::Pause, now);
-            self.settling = Some(0);
-            return;
-        };
-        self.end(Outcome::Failed, reason);
+            return self.end(Outcome::Failed, why);
+        }
+        let Interrupted { session, robot, life, unrecorded, records, placed } = interrupted;
+        self.journal = self.out.take().map(|out| Journal::go_on(out, records));
+        let time_us = session.mission().tracker().time_us();
+        for command in &unrecorded {
+            if let Some(journal) = &mut self.journal {
+                journal.command(time_us, command);
+            }
+        }
+        let again = life.map_or(robot.boot, |life| life.boot) != identity.boot;
+        if again {
+            self.restarted = session.mission().tracker().last();
+        } else {
+            self.restart = life.as_ref().map(Restart::recorded);
+        }
+        self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
+        self.ended = None;
+        self.session = Some(session);
+        self.intent(Intent::Pause, now);
+        self.settling = Some(0);
     }
 
     /// The robot stands still after an interruption: what it was doing then is over.
@@ -85,5 +83,16 @@ impl<W: Write> LiveRun<W> {
             let time_us = session.mission().tracker().time_us();
             journal.life(time_us, &restart.life(identity.boot));
         }
+    }
+}
+
+/// Why the robot that is there is not the one called `name` with the body `was`; none when it is.
+fn differs(name: &str, was: &Chassis, identity: &Identity) -> Option<String> {
+    if name != identity.name {
+        Some(format!("the run was made with {name}, and this is {}", identity.name))
+    } else if *was != identity.chassis {
+        Some("the robot has another body or other switches than in the run".to_owned())
+    } else {
+        None
     }
 }

@@ -5,6 +5,7 @@ mod adversity;
 mod attended;
 mod carried;
 mod liar;
+mod others;
 mod outage;
 mod same;
 mod stops;

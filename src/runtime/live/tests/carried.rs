@@ -3,13 +3,13 @@
 use super::*;
 use crate::mapping::map::LineStatus;
 
-fn l_room() -> World {
+pub(super) fn l_room() -> World {
     let text = include_str!("../../../../sims/l_room.toml");
     World::from_toml(text, "l_room", 0.1).expect("a world")
 }
 
 /// The robot is switched off, carried to `place`, and switched on.
-fn carry(rig: &mut Rig, world: &World, place: Pose) {
+pub(super) fn carry(rig: &mut Rig, world: &World, place: Pose) {
     rig.reboot();
     let there = World { start: place, ..world.clone() };
     rig.body = Body::new(&there, &crate::robot::Chassis::default(), NoiseProfile::None, 5);
@@ -17,7 +17,7 @@ fn carry(rig: &mut Rig, world: &World, place: Pose) {
     rig.up.clear();
 }
 
-fn is_touring(rig: &Rig) -> bool {
+pub(super) fn is_touring(rig: &Rig) -> bool {
     let driven = |session: &Session| {
         let lines = session.mission().map().plan.as_ref().map_or(&[][..], |plan| &plan.lines);
         lines.iter().filter(|line| line.status == LineStatus::Driven).count()
@@ -26,7 +26,7 @@ fn is_touring(rig: &Rig) -> bool {
 }
 
 /// How far the believed place is from the true one, metres.
-fn off(rig: &Rig) -> f64 {
+pub(super) fn off(rig: &Rig) -> f64 {
     let believed = rig.run.session().expect("a session").mission().tracker().pose();
     (believed.position - rig.body.true_pose().position).norm()
 }

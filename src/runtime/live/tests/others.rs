@@ -1,0 +1,70 @@
+//! Another robot at the end of the line, and another host.
+
+use super::carried::l_room;
+use super::*;
+
+/// A robot of another make and name.
+fn lead(boot: u32) -> Device {
+    let usual = crate::robot::Chassis::default();
+    let chassis = crate::robot::Chassis { tick: 0.001, wheel_base: 0.2, ..usual };
+    Device::new(&chassis, "lead", boot, 1.0)
+}
+
+/// The cable is pulled out, and put into `device`.
+fn replug(rig: &mut Rig, device: Device) {
+    rig.run.unplugged(rig.now);
+    rig.until(1.0, |_| false);
+    rig.device = device;
+    Hardware::drive(&mut rig.body, 0.0, 0.0);
+    rig.up.clear();
+    rig.run.reopened(rig.now);
+}
+
+/// A robot under an operator's hands in the L-shaped room, on its tour.
+fn touring() -> Rig {
+    let mut rig = rig_in(&l_room(), NoiseProfile::None, Faults::default(), 1, (false, None));
+    assert!(rig.until(5.0, |rig| rig.run.session().is_some()));
+    rig.run.intent(Intent::Run, rig.now);
+    assert!(rig.until(2000.0, carried::is_touring));
+    rig
+}
+
+/// What the record holds, played back.
+fn replayed(rig: &Rig) -> crate::session::Replay {
+    let bytes = rig.memory.bytes.borrow().clone();
+    let recording = crate::journal::reader::parse(std::path::Path::new("memory"), &bytes);
+    let mut replay = crate::session::Replay::new(recording.expect("a record"));
+    replay.finish();
+    assert_eq!(replay.difference(), None);
+    replay
+}
+
+/// The operator has the wrong robot plugged in first, and twice: the record stays as it is, and the run goes
+/// on when its own robot is there.
+#[test]
+fn a_run_that_is_taken_up_waits_for_its_own_robot() {
+    let mut rig = touring();
+    rig.host_dead = true;
+    rig.until(2.0, |_| false);
+    let own = rig.device.clone();
+    resurrect(&mut rig, 9, None);
+    (rig.run.plan.at_once, rig.run.goes_on) = (false, false);
+    let before = rig.memory.bytes.borrow().clone();
+    for boot in [70, 71] {
+        replug(&mut rig, lead(boot));
+        rig.until(5.0, |_| false);
+        assert!(rig.run.session().is_none(), "another run was begun");
+        let why = rig.run.ending().expect("an ending").reason;
+        assert!(why.contains("tin") && why.contains("lead"), "{why}");
+        assert!(*rig.memory.bytes.borrow() == before, "the record was written to");
+    }
+    replug(&mut rig, own);
+    assert!(rig.until(5.0, |rig| rig.run.session().is_some()), "not known");
+    rig.until(2.0, |_| false);
+    assert_eq!(rig.run.ending(), None, "it is there");
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()));
+    assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Complete);
+    assert!(replayed(&rig).is_complete());
+}

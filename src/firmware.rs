@@ -56,6 +56,8 @@ pub struct Firmware {
     silent: f64,
     patience: f64,
     steps: u32,
+    /// Steps between two reports.
+    every: u32,
 }
 
 impl Firmware {
@@ -71,13 +73,16 @@ impl Firmware {
             silent: 0.0,
             patience: WATCHDOG,
             steps: 0,
+            every: REPORT_STEPS,
         }
     }
 
-    /// The same, but it waits `seconds` for a host that is silent.
+    /// The same for a robot whose time runs `speed` times as fast as its host's: it waits as much longer for a
+    /// host that is silent, and one that is slower than life reports as often by its host's time.
     #[must_use]
-    pub fn with_patience(self, seconds: f64) -> Self {
-        Self { patience: seconds, ..self }
+    pub fn at_speed(self, speed: f64) -> Self {
+        let every = (f64::from(REPORT_STEPS) * speed.min(1.0)).round().max(1.0);
+        Self { patience: WATCHDOG * speed.max(1.0), every: every as u32, ..self }
     }
 
     /// Takes a motion, which begins once the body is at rest. A repeated id is the same command and
@@ -94,7 +99,7 @@ impl Firmware {
     fn begin(&mut self, command: Command, ending: Option<DoneReason>, hardware: &impl Hardware) {
         // Reports keep step with the motion, the first of it now: two runs of one plan are told at the
         // same places of it, whatever the waits before.
-        self.steps = REPORT_STEPS - 1;
+        self.steps = self.every - 1;
         let begin = hardware.odometer();
         let (stopped, still, last) = (false, 0, begin);
         self.running = Some(Running { command, begin, speed: 0.0, ending, stopped, still, last });
@@ -155,7 +160,7 @@ impl Firmware {
         }
         if let Some(done) = self.control(hardware) {
             tell(done, hardware);
-        } else if self.steps.is_multiple_of(REPORT_STEPS) {
+        } else if self.steps.is_multiple_of(self.every) {
             let (odometer, switches) = (hardware.odometer(), hardware.switches());
             tell(Telemetry::Report { odometer, switches, bumper: hardware.bumper() }, hardware);
         }

@@ -37,7 +37,7 @@ impl Device {
     pub fn new(chassis: &Chassis, name: &str, boot: u32, speed: f64) -> Self {
         let patience = WATCHDOG * speed.max(1.0);
         let mut device = Self {
-            firmware: Firmware::new(chassis).with_patience(patience),
+            firmware: Firmware::new(chassis).at_speed(speed),
             chassis: chassis.clone(),
             name: name.to_owned(),
             boot,

@@ -250,7 +250,11 @@ impl<W: Write> LiveRun<W> {
                         self.remark(format!("{} is there again", identity.name), now);
                     }
                 }
-                Heard::Rebooted => self.rebooted(now),
+                Heard::Rebooted => self.out_of_hand("the robot was started again", now),
+                Heard::Forgotten => self.out_of_hand(
+                    "another host spoke to the robot meanwhile, or it was started again",
+                    now,
+                ),
                 Heard::Telemetry(telemetry) => self.told(&telemetry, now),
                 Heard::Early { seconds, ended } => self.early(seconds, ended, now),
                 Heard::Health(health) => self.health(health, now),
@@ -307,7 +311,7 @@ impl<W: Write> LiveRun<W> {
                     self.end(Outcome::Failed, format!("link lost: {why}"));
                 }
             }
-            Health::Stale => self.remark("nothing heard from the robot for 0.5 s".to_owned(), now),
+            Health::Stale => self.remark("the robot told nothing for 0.5 s".to_owned(), now),
             Health::Opening | Health::Up => {}
         }
     }

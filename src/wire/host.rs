@@ -3,6 +3,7 @@
 //! it says what to write and what was heard. No I/O, no clock.
 
 mod clock;
+mod forgotten;
 mod pending;
 mod timing;
 mod told;
@@ -31,7 +32,16 @@ pub struct Host {
     opened: f64,
     /// When the time was looked at last.
     ticked: f64,
+    /// When a good line came last.
     heard: f64,
+    /// When it last told what this host could take: only that says where it is.
+    news: f64,
+    /// When it last told anything of itself, whether it could be taken or not.
+    reported: f64,
+    /// When it last answered who it is, to this host.
+    answered: f64,
+    /// Since when it tells of fewer events than this host has.
+    fewer: Option<f64>,
     clean: f64,
     hello_due: f64,
     ping_due: f64,
@@ -79,6 +89,10 @@ impl Host {
             opened: now,
             ticked: now,
             heard: now,
+            news: now,
+            reported: now,
+            answered: now,
+            fewer: None,
             clean: now,
             hello_due: now,
             ping_due: now,
@@ -143,10 +157,10 @@ impl Host {
         self.stop.is_none() && self.motion.is_none() && self.urgent.is_empty()
     }
 
-    /// Seconds since a good line came.
+    /// Seconds since the robot told anything of itself that could be taken.
     #[must_use]
     pub fn silence(&self, now: f64) -> f64 {
-        now - self.heard
+        now - self.news
     }
 
     /// Seconds that an answer takes, as measured.
@@ -250,13 +264,9 @@ impl Host {
                 // What it says of itself before it has heard this host is not the answer yet: with its
                 // own start, or with another host's words, its numbers are others.
                 if session != self.session {
-                    // It knew this host, and does not any more: there is a hole in what it tells.
-                    if self.is_open() {
-                        self.ask_anew(now);
-                    }
-                    return;
+                    return self.strange(boot, session, now, told);
                 }
-                self.estranged = false;
+                (self.estranged, self.answered) = (false, now);
                 if !SWITCHES.contains(&switches) {
                     return self.unfit(Unfit::Switches { count: switches }, told);
                 }
@@ -305,6 +315,10 @@ impl Host {
                 }
             }
             FromRobot::Report { odometer, switches, bumper, event, .. } => {
+                self.reported = now;
+                if self.has_forgotten(event, now) {
+                    return self.begin_anew(now, told);
+                }
                 // One from before a restart, or one from after it: who is there?
                 if event < self.event || self.misses(event, now) {
                     self.ask_anew(now);
@@ -315,6 +329,7 @@ impl Host {
                 }
             }
             FromRobot::Event { event, telemetry } => {
+                self.reported = now;
                 if event == self.event.wrapping_add(1) && self.is_open() {
                     self.event = event;
                     self.happened(telemetry, now, told);
@@ -328,7 +343,11 @@ impl Host {
         let time_us = report.odometer().time_us;
         // One that another has overtaken is of no use. A clock that went back is none of that.
         let overtaken = (1..OVERTAKEN_US).contains(&self.time_us.saturating_sub(time_us));
-        if !overtaken && self.is_in_time(time_us, None, now, told) {
+        if overtaken {
+            return;
+        }
+        self.news = now;
+        if self.is_in_time(time_us, None, now, told) {
             self.time_us = time_us;
             told.push(Heard::Telemetry(report));
         }
@@ -336,6 +355,7 @@ impl Host {
 
     /// Takes the next event.
     fn happened(&mut self, event: Telemetry, now: f64, told: &mut Vec<Heard>) {
+        self.news = now;
         let mut ended = None;
         if let Telemetry::Done { id, .. } = event {
             ended = Some(id);
@@ -402,9 +422,11 @@ impl Host {
         if before == Some(identity.boot) && self.is_open() {
             return;
         }
+        if self.is_still_mute(now) {
+            return;
+        }
         if before.is_some_and(|boot| boot != identity.boot) {
-            (self.event, self.time_us, self.motion) = (0, 0, None);
-            (self.command, self.stop, self.doubt) = (None, None, None);
+            self.forget();
             told.push(Heard::Rebooted);
         }
         self.wait_anew(now);
@@ -414,7 +436,7 @@ impl Host {
         if before != Some(identity.boot) {
             self.clock = Clock::new(self.introduction.watchdog);
         }
-        self.clean = now;
+        (self.clean, self.news, self.fewer) = (now, now, None);
         self.ping_due = now;
         told.push(Heard::Hello(Box::new(identity)));
         self.turn(Health::Up, told);

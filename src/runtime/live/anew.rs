@@ -10,14 +10,19 @@ use crate::wire::host::Identity;
 use std::io::Write;
 
 impl<W: Write> LiveRun<W> {
-    /// The robot was started again: it stands still, and where it is, is no longer known. The operator
-    /// decides when it goes to find its place; without one the run ends here, to be gone on with.
-    pub(super) fn rebooted(&mut self, now: f64) {
-        let why = "the robot was started again: where it is, is no longer known";
-        self.remark(why.to_owned(), now);
+    /// The robot was out of this host's hand, as `why` says: it stands still, and where it is, is no longer
+    /// known. The operator decides when it goes to find its place; without one the run ends here, to be gone
+    /// on with.
+    pub(super) fn out_of_hand(&mut self, why: &str, now: f64) {
+        let why = format!("{why}: where it is, is no longer known");
+        let told = self.settling.is_some() && self.carried.is_some();
+        if !told {
+            // Two hosts that quarrel over one robot would fill the log.
+            self.remark(why.clone(), now);
+        }
         self.stop(now);
         let Some(session) = &self.session else {
-            return self.end(Outcome::Failed, why.to_owned());
+            return self.end(Outcome::Failed, why);
         };
         if self.plan.at_once {
             return self.end(Outcome::Failed, format!("{why}; --resume finds its place again"));

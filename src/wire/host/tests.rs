@@ -21,7 +21,7 @@ fn lost(said: &[u8]) -> Option<String> {
     })
 }
 
-/// A robot that introduces itself, with `switches` of them announced.
+/// A robot that introduces itself, with `switches` of them announced, and reports.
 fn introduction(chassis: &Chassis, switches: usize) -> Vec<u8> {
     let mut out = Vec::new();
     let name = "tin".to_owned();
@@ -34,6 +34,7 @@ fn introduction(chassis: &Chassis, switches: usize) -> Vec<u8> {
         seal(&FromRobot::Switch { index, mount }.to_string(), &mut out);
     }
     seal(&FromRobot::Pong { number: 1 }.to_string(), &mut out);
+    seal("r 20000 0 0 0 00 0 0 0", &mut out);
     out
 }
 
@@ -97,4 +98,57 @@ fn a_robot_that_forgot_its_host_is_asked_who_it_is() {
     let mut host = known();
     assert!(!asks(&mut host, 1.0, "r 20000 12 12 -1500 04 0 7 0"), "it may still come");
     assert!(asks(&mut host, 1.6, "r 20000 12 12 -1500 04 0 7 0"), "a hole that is not told");
+}
+
+/// A robot that answers every ping and acknowledges what it is asked tells nothing by that of where it is: with a
+/// motion in hand it is stopped as soon as one that is silent, and it is lost as soon.
+#[test]
+fn a_robot_that_answers_but_does_not_report_is_not_driven_blind() {
+    for outdated in [false, true] {
+        let mut host = Host::new(115_200, 0x2A, 0.0);
+        let mut told = Vec::new();
+        let say = |host: &mut Host, said: &[&str], now: f64, told: &mut Vec<Heard>| {
+            let mut line = Vec::new();
+            for body in said {
+                seal(body, &mut line);
+            }
+            host.receive(&line, now, told);
+        };
+        host.receive(&introduction(&Chassis::default(), 8), 0.0, &mut told);
+        let (mut stopped, mut lost) = (None, None);
+        for step in 0..400 {
+            let now = f64::from(step) * 0.01;
+            if step % 10 == 0 {
+                say(&mut host, &["p 1"], now, &mut told);
+            }
+            if step % 10 == 0 && step <= 100 {
+                let report = format!("r {} 12 12 0 00 0 0 0", step * 10_000);
+                say(&mut host, &[&report], now, &mut told);
+            }
+            if step % 10 == 0 && step > 100 && outdated {
+                say(&mut host, &["r 1000000 12 12 0 00 0 9 0"], now, &mut told);
+            }
+            if step == 100 {
+                let motion = crate::robot::Motion::Move { distance: 9.0, speed: 0.2 };
+                let guard = crate::robot::Guard::default();
+                let id = CommandId(1);
+                host.send(Command { id, motion, guard, time_limit: 60.0 }, now);
+                say(&mut host, &["a 1"], now, &mut told);
+            }
+            host.tick(now, &mut told);
+            let out = host.take_output();
+            if out.contains(&STOP) {
+                stopped.get_or_insert(now - 1.0);
+                say(&mut host, &["a 2147483649"], now, &mut told);
+            }
+            if matches!(host.health(), Health::Lost(_)) {
+                lost.get_or_insert(now - 1.0);
+            }
+        }
+        assert!(stopped.is_some_and(|after| after < 0.35), "outdated: {outdated}: {stopped:?}");
+        assert!(lost.is_some_and(|after| after < 1.6), "outdated: {outdated}: {lost:?}");
+        assert!(host.silence(4.0) > 2.9, "what is shown is {} s old", host.silence(4.0));
+        let losses = told.iter().filter(|h| matches!(h, Heard::Health(Health::Lost(_)))).count();
+        assert_eq!(losses, 1, "outdated: {outdated}: it flaps");
+    }
 }

@@ -6,11 +6,11 @@ pub(super) const PING: f64 = 0.1;
 pub(super) const HELLO: f64 = 0.25;
 /// A board that restarts when its port is opened answers within this, seconds.
 pub(super) const BOOT: f64 = 3.5;
-/// With a motion in hand, a line that was silent for this long stops it, seconds.
+/// With a motion in hand, a robot that told nothing of itself for this long is stopped, seconds.
 pub(super) const BLIND: f64 = 0.3;
-/// A line that was silent for this long is stale, seconds.
+/// A line over which nothing was told for this long is stale, seconds.
 pub(super) const STALE: f64 = 0.5;
-/// ... and lost after this, until the robot is heard again.
+/// ... and lost after this, until the robot tells something again.
 pub const LOST: f64 = 1.5;
 /// An answer is waited for this long, besides the time the bytes take, seconds.
 pub(super) const ANSWER: f64 = 0.05;

@@ -10,7 +10,7 @@ pub enum Health {
     Opening,
     /// It is there.
     Up,
-    /// Nothing was heard for half a second.
+    /// It told nothing of itself for half a second.
     Stale,
     /// It is gone; nothing is sent but the question whether it is back.
     Lost(Loss),
@@ -45,6 +45,12 @@ pub enum Loss {
     /// Nothing was heard for too long.
     #[error("nothing heard from the robot for 1.5 s")]
     Silent,
+    /// It answers, and tells nothing that can be taken.
+    #[error(
+        "the robot answers, but for 1.5 s it told nothing of where it is: there are no reports, or events \
+         before them are missing"
+    )]
+    Mute,
     /// A command was not acknowledged.
     #[error("the robot does not acknowledge commands")]
     Unacknowledged,
@@ -110,6 +116,9 @@ pub enum Heard {
     Hello(Box<Identity>),
     /// It is another robot than before, or it was started again: ticks count from elsewhere.
     Rebooted,
+    /// In the same life its numbers have begun anew, with another host or without: what it did and told
+    /// meanwhile is not known.
+    Forgotten,
     /// Telemetry, in order and each once.
     Telemetry(Telemetry),
     /// A message that was made later than it came: the robot's clock cannot be right.

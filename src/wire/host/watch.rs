@@ -44,9 +44,11 @@ impl Host {
     }
 
     fn watch(&mut self, judged: f64, now: f64, told: &mut Vec<Heard>) {
-        let silence = judged - self.heard;
+        // Answers to pings tell nothing of where it is.
+        let silence = judged - self.news;
         if silence > LOST {
-            return self.lose(Loss::Silent, told);
+            let silent = judged - self.heard > STALE;
+            return self.lose(if silent { Loss::Silent } else { Loss::Mute }, told);
         }
         self.turn(if silence > STALE { Health::Stale } else { Health::Up }, told);
         if silence > STALE {

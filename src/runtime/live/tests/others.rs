@@ -68,3 +68,63 @@ fn a_run_that_is_taken_up_waits_for_its_own_robot() {
     assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Complete);
     assert!(replayed(&rig).is_complete());
 }
+
+/// Another host says hello to the robot, and this one's line is open meanwhile, or it is gone.
+fn another_speaks(rig: &mut Rig, open: bool) {
+    let mut hello = Vec::new();
+    crate::wire::seal("H 1 00ABCDEF", &mut hello);
+    if open {
+        rig.device.receive(&hello);
+        return;
+    }
+    rig.run.unplugged(rig.now);
+    rig.line = Passage::Cut;
+    rig.until(4.0, |_| false);
+    rig.device.receive(&hello);
+    rig.until(1.0, |_| false);
+    rig.line = Passage::Open;
+    rig.up.clear();
+    rig.run.reopened(rig.now);
+}
+
+/// In the same life, and yet its numbers begin anew: what it says is not thrown away as old for ever.
+#[test]
+fn a_robot_that_another_host_spoke_to_is_not_driven_blind() {
+    for open in [false, true] {
+        let mut rig = touring();
+        another_speaks(&mut rig, open);
+        rig.until(5.0, |_| false);
+        assert_eq!(rig.run.host().health(), Health::Up, "open: {open}");
+        assert_eq!(rig.run_state(), RunState::Stopped, "open: {open}");
+        assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "open: {open}: it moves");
+        assert_eq!(rig.alarms("another host"), 1, "open: {open}: nobody was told");
+        let time = |rig: &Rig| rig.run.session().expect("a session").mission().tracker().time_us();
+        let before = time(&rig);
+        rig.until(1.0, |_| false);
+        let heard = time(&rig) - before;
+        assert!(heard > 800_000, "open: {open}: {heard} µs of a second are heard");
+        let lost = |rig: &Rig| rig.run.session().is_some_and(|s| s.mission().is_lost());
+        assert!(lost(&rig), "open: {open}: it is believed to know its place");
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        assert!(rig.until(1000.0, |rig| !lost(rig)), "open: {open}: not found");
+        assert!(rig.until(3000.0, |rig| rig.run.ending().is_some()), "open: {open}");
+        let ending = rig.run.ending().expect("an ending");
+        assert_eq!(ending.outcome, Outcome::Complete, "open: {open}: {}", ending.reason);
+        assert!(carried::off(&rig) < 0.03, "open: {open}");
+        replayed(&rig);
+    }
+}
+
+/// Without an operator the run ends there, to be gone on with.
+#[test]
+fn a_run_without_an_operator_ends_when_another_host_speaks() {
+    for open in [false, true] {
+        let mut rig = rig(Faults::default(), 1, true);
+        rig.until(20.0, |_| false);
+        another_speaks(&mut rig, open);
+        assert!(rig.until(3.0, |rig| rig.run.ending().is_some()), "open: {open}: it goes on");
+        rig.until(1.0, |_| false);
+        assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "open: {open}: it moves");
+    }
+}

@@ -5,6 +5,7 @@ mod anew;
 mod attended;
 mod restart;
 mod telling;
+mod wishes;
 
 use super::{Ending, keep};
 use crate::export::Outcome;
@@ -200,22 +201,6 @@ impl<W: Write> LiveRun<W> {
         self.host.reopened(now);
     }
 
-    /// Takes a wish of the operator. A stop leaves with the next bytes, before everything else.
-    pub fn intent(&mut self, intent: Intent, now: f64) {
-        self.goes_on &= intent != Intent::Stop;
-        let Some(session) = &mut self.session else {
-            if intent == Intent::Stop {
-                self.host.stop(now);
-            }
-            return;
-        };
-        if let Some(journal) = &mut self.journal {
-            journal.intent(session.mission().tracker().time_us(), &intent);
-        }
-        session.intent(intent, &mut self.outgoing);
-        self.deliver(now);
-    }
-
     fn stop(&mut self, now: f64) {
         if self.session.is_some() {
             self.intent(Intent::Stop, now);
@@ -296,7 +281,7 @@ impl<W: Write> LiveRun<W> {
         }
         self.session = Some(Session::new(header.settings, source, until.unwrap_or(Phase::Objects)));
         if std::mem::take(&mut self.goes_on) {
-            self.intent(Intent::Run, now);
+            self.wish(Intent::Run, now);
         }
     }
 

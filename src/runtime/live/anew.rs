@@ -6,6 +6,7 @@ use super::{Interrupted, LiveRun};
 use crate::export::Outcome;
 use crate::journal::Journal;
 use crate::robot::{Chassis, Intent};
+use crate::session::{RunState, Session};
 use crate::wire::host::Identity;
 use std::io::Write;
 
@@ -60,23 +61,33 @@ impl<W: Write> LiveRun<W> {
         self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
         self.ended = None;
         self.session = Some(session);
-        self.intent(Intent::Pause, now);
+        self.wish(Intent::Pause, now);
         self.settling = Some(0);
     }
 
     /// The robot stands still after an interruption: what it was doing then is over.
     pub(super) fn settled(&mut self, now: f64) {
         self.settling = None;
+        let run = self.session.as_ref().map(Session::run_state);
+        if matches!(run, Some(RunState::Running | RunState::Stepping(_))) {
+            // Nothing begins between the end of that and the word that the robot is somewhere else.
+            self.wish(Intent::Pause, now);
+        }
         if let Some(id) = self.session.as_ref().and_then(|session| session.mission().awaited()) {
             self.not_begun(id, now);
         }
-        if let Some(carried) = self.carried.take() {
-            self.intent(carried, now);
+        if let Some(carried) = self.carried {
+            if self.session.as_ref().is_some_and(cannot_be_told) {
+                self.settling = Some(0);
+                return;
+            }
+            self.carried = None;
+            self.wish(carried, now);
             self.record_life();
         }
         if std::mem::take(&mut self.goes_on) {
-            self.intent(Intent::ClearStop, now);
-            self.intent(Intent::Run, now);
+            self.wish(Intent::ClearStop, now);
+            self.wish(Intent::Run, now);
         }
     }
 
@@ -89,6 +100,11 @@ impl<W: Write> LiveRun<W> {
             journal.life(time_us, &restart.life(identity.boot));
         }
     }
+}
+
+/// Whether the run cannot be told yet that its robot was carried: the end of its motion was not believed.
+fn cannot_be_told(session: &Session) -> bool {
+    session.mission().is_moving() && !session.run_state().is_over()
 }
 
 /// Why the robot that is there is not the one called `name` with the body `was`; none when it is.

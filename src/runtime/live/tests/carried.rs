@@ -101,6 +101,65 @@ fn a_robot_started_again_within_the_run_is_known_when_it_is_taken_up() {
     assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
 }
 
+/// The operator clears the stop and says run before the robot was heard to stand still, or steps: it does not
+/// forget over that that its place is unknown.
+#[test]
+fn no_word_of_the_operator_makes_a_restarted_robot_forget_that_it_is_lost() {
+    let world = l_room();
+    for wish in [Intent::Run, Intent::StepCommand, Intent::StepPhase] {
+        let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (false, None));
+        assert!(rig.until(5.0, |rig| rig.run.session().is_some()));
+        rig.run.intent(Intent::Run, rig.now);
+        assert!(rig.until(2000.0, is_touring));
+        carry(&mut rig, &world, Pose::new(4.2, 0.7, 1.0));
+        assert!(rig.until(5.0, |rig| rig.run_state() == RunState::Stopped));
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(wish, rig.now);
+        rig.until(10.0, |_| false);
+        let session = rig.run.session().expect("a session");
+        assert!(session.mission().is_lost(), "{wish:?}: it drives on, {} m off", off(&rig));
+        let why = |kind: &EventKind| kind.to_string().contains("stands still");
+        assert!(session.events().iter().any(|e| why(&e.kind)), "{wish:?}: nobody was told why");
+        // Now it may.
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        let lost = |rig: &Rig| rig.run.session().is_some_and(|s| s.mission().is_lost());
+        assert!(rig.until(1000.0, |rig| !lost(rig)), "{wish:?}: not found");
+        assert!(off(&rig) < 0.03, "{wish:?}: {} m off", off(&rig));
+    }
+}
+
+/// The same while a run is taken up whose robot was placed elsewhere; what the operator says meanwhile of where
+/// it stands counts for more.
+#[test]
+fn no_word_of_the_operator_makes_a_run_forget_that_its_robot_was_placed() {
+    let world = l_room();
+    let there = Pose::new(4.2, 0.7, 1.0);
+    for again in [false, true] {
+        let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (true, None));
+        assert!(rig.until(2000.0, is_touring));
+        rig.host_dead = true;
+        rig.until(2.0, |_| false);
+        rig.body.push(there);
+        rig.good = there.position;
+        rig.up.clear();
+        resurrect(&mut rig, 9, Some(if again { Pose::new(0.6, 0.6, 0.0) } else { there }));
+        (rig.run.plan.at_once, rig.run.goes_on) = (false, false);
+        assert!(rig.until(5.0, |rig| rig.run.session().is_some()));
+        if again {
+            rig.run.intent(Intent::Placed { near: Some(there) }, rig.now);
+        }
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(10.0, |_| false);
+        let lost = |rig: &Rig| rig.run.session().is_some_and(|s| s.mission().is_lost());
+        assert!(lost(&rig), "again: {again}: it drives on, {} m off", off(&rig));
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        assert!(rig.until(1000.0, |rig| !lost(rig)), "again: {again}: not found");
+        assert!(off(&rig) < 0.03, "again: {again}: {} m off", off(&rig));
+    }
+}
+
 /// The robot is pushed a third of a metre aside to where it stands free, and turned a little; nobody tells.
 fn push(rig: &mut Rig, world: &World, way: f64) {
     use crate::geometry::{Ring, angle};

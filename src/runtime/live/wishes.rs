@@ -1,0 +1,52 @@
+//! What the operator wishes of a run over a line, and what is not followed at once.
+
+use super::LiveRun;
+use crate::robot::Intent;
+use std::io::Write;
+
+impl<W: Write> LiveRun<W> {
+    /// Takes a wish of the operator. A stop leaves with the next bytes, before everything else.
+    pub fn intent(&mut self, intent: Intent, now: f64) {
+        self.goes_on &= intent != Intent::Stop;
+        if self.session.is_none() {
+            if intent == Intent::Stop {
+                self.host.stop(now);
+            }
+        } else if self.settling.is_some() && matches!(intent, Intent::Placed { .. }) {
+            // The run is told as soon as it can be; the operator knows more than what it would be told.
+            self.carried = Some(intent);
+        } else if let Some(why) = self.objection(intent) {
+            self.remark(why, now);
+        } else {
+            self.wish(intent, now);
+        }
+    }
+
+    /// Follows a wish, the operator's or one of this program's own.
+    pub(super) fn wish(&mut self, intent: Intent, now: f64) {
+        let Some(session) = &mut self.session else { return };
+        if let Some(journal) = &mut self.journal {
+            journal.intent(session.mission().tracker().time_us(), &intent);
+        }
+        session.intent(intent, &mut self.outgoing);
+        self.deliver(now);
+    }
+
+    /// Why a wish that would set the robot going is not followed now; none when it is.
+    fn objection(&self, intent: Intent) -> Option<String> {
+        let sets_going = matches!(
+            intent,
+            Intent::ClearStop
+                | Intent::Run
+                | Intent::StepCommand
+                | Intent::StepEvent
+                | Intent::StepPhase
+        );
+        // Set going before, it would go on from where it was, and nobody would tell it any more that it is
+        // somewhere else.
+        let waits = self.settling.is_some() || self.carried.is_some();
+        (sets_going && waits).then(|| {
+            "not before the robot is heard and stands still: say it again in a second".to_owned()
+        })
+    }
+}

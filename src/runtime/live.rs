@@ -237,7 +237,7 @@ impl<W: Write> LiveRun<W> {
                 }
                 Heard::Rebooted => self.out_of_hand("the robot was started again", now),
                 Heard::Forgotten => self.out_of_hand(
-                    "another host spoke to the robot meanwhile, or it was started again",
+                    "the robot counts anew: another host spoke to it, or it was started again",
                     now,
                 ),
                 Heard::Telemetry(telemetry) => self.told(&telemetry, now),

@@ -45,11 +45,8 @@ pub enum Loss {
     /// Nothing was heard for too long.
     #[error("nothing heard from the robot for 1.5 s")]
     Silent,
-    /// It answers, and tells nothing that can be taken.
-    #[error(
-        "the robot answers, but for 1.5 s it told nothing of where it is: there are no reports, or events \
-         before them are missing"
-    )]
+    /// It answers, and tells nothing of itself.
+    #[error("the robot answers, but has sent no report for 1.5 s")]
     Mute,
     /// A command was not acknowledged.
     #[error("the robot does not acknowledge commands")]

@@ -47,6 +47,10 @@ impl Host {
         // Answers to pings tell nothing of where it is.
         let silence = judged - self.news;
         if silence > LOST {
+            if judged - self.reported <= STALE {
+                // It tells, and nothing that this host could take: their numbers are not the same.
+                return self.begin_anew(now, told);
+            }
             let silent = judged - self.heard > STALE;
             return self.lose(if silent { Loss::Silent } else { Loss::Mute }, told);
         }

@@ -11,6 +11,7 @@ use super::{Ending, keep};
 use crate::export::Outcome;
 use crate::geometry::Pose;
 use crate::journal::{Header, Journal, Life, RobotMark};
+use crate::mapping::event::{Event, EventKind};
 use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
@@ -62,6 +63,8 @@ pub struct LiveRun<W: Write> {
     /// Where the record will go, until the robot has said who it is.
     out: Option<W>,
     journal: Option<Journal<W>>,
+    /// What the robot of this run is called.
+    robot: Option<String>,
     heard: Vec<Heard>,
     outgoing: Vec<Outgoing>,
     /// The run to be gone on with, until its robot is there.
@@ -78,6 +81,8 @@ pub struct LiveRun<W: Write> {
     /// A command that waits to be recorded, and for the line to be sound.
     held: Option<Command>,
     last: (Odometer, SwitchSet, bool),
+    /// When the run took in last what its robot told.
+    taken: f64,
     ended: Option<Ending>,
     /// It goes on by itself once the robot is there and stands still; a stop before that takes it back.
     goes_on: bool,
@@ -100,6 +105,7 @@ impl<W: Write> LiveRun<W> {
             session: None,
             out,
             journal: None,
+            robot: None,
             heard: Vec::new(),
             outgoing: Vec::new(),
             interrupted: None,
@@ -110,6 +116,7 @@ impl<W: Write> LiveRun<W> {
             refused: None,
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
+            taken: 0.0,
             ended: None,
             unrecorded: false,
             attended: None,
@@ -217,6 +224,16 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// As [`LiveRun::remark`], unless it was told just now: two hosts that quarrel over one robot would fill
+    /// the log.
+    fn remark_once(&mut self, why: String, now: f64) {
+        let is = |event: &Event| matches!(&event.kind, EventKind::Alarm { what } if *what == why);
+        let told = |session: &Session| session.events().iter().rev().take(4).any(is);
+        if !self.session.as_ref().is_some_and(told) {
+            self.remark(why, now);
+        }
+    }
+
     fn end(&mut self, outcome: Outcome, reason: String) {
         self.version += 1;
         self.ended.get_or_insert(Ending { outcome, reason });
@@ -231,8 +248,8 @@ impl<W: Write> LiveRun<W> {
                         self.take_up(interrupted, &identity, now);
                     } else if self.session.is_none() {
                         self.begin(&identity, now);
-                    } else {
-                        self.remark(format!("{} is there again", identity.name), now);
+                    } else if self.stranger().is_none() {
+                        self.remark_once(format!("{} is there again", identity.name), now);
                     }
                 }
                 Heard::Rebooted => self.out_of_hand("the robot was started again", now),
@@ -266,6 +283,7 @@ impl<W: Write> LiveRun<W> {
         settings.chassis = identity.chassis.clone();
         let source = format!("{} on {}", identity.name, self.plan.port);
         let until = self.plan.until;
+        (self.robot, self.taken) = (Some(identity.name.clone()), now);
         let robot = Some(RobotMark { name: identity.name.clone(), boot: identity.boot });
         let noise = String::new();
         let header = Header { settings, source: source.clone(), noise, until, robot };
@@ -328,8 +346,12 @@ impl<W: Write> LiveRun<W> {
         self.telemetry(&Telemetry::Done { id, reason, odometer, switches, bumper }, now);
     }
 
-    /// Takes what the robot says, as the run counts it.
+    /// Takes what the robot says, as the run counts it; what another one says is nothing to this run.
     fn told(&mut self, telemetry: &Telemetry, now: f64) {
+        if self.stranger().is_some() {
+            return;
+        }
+        self.taken = now;
         if let Some(last) = self.restarted.take() {
             self.restart = Some(Restart::between(&last, telemetry.odometer()));
         }

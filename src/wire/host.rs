@@ -270,11 +270,11 @@ impl Host {
                 if !SWITCHES.contains(&switches) {
                     return self.unfit(Unfit::Switches { count: switches }, told);
                 }
-                let known = self.introduction.hello.as_ref().map(|(boot, ..)| *boot);
-                if known.is_some_and(|known| known != boot) {
-                    self.introduction = Introduction::default();
+                let hello = Some((boot, switches, name));
+                // What another robot said of its body is not this one's.
+                if self.introduction.hello != hello {
+                    self.introduction = Introduction { hello, ..Introduction::default() };
                 }
-                self.introduction.hello = Some((boot, switches, name));
                 self.introduction.watchdog = watchdog;
                 self.introduced(now, told);
             }
@@ -418,22 +418,26 @@ impl Host {
         if let Err(why) = identity.chassis.check() {
             return self.unfit(why, told);
         }
-        let before = self.identity.as_ref().map(|known| known.boot);
-        if before == Some(identity.boot) && self.is_open() {
+        // Two robots may have been started as often as each other.
+        let same = self.identity.as_ref() == Some(&identity);
+        if same && self.is_open() {
             return;
         }
         if self.is_still_mute(now) {
             return;
         }
-        if before.is_some_and(|boot| boot != identity.boot) {
-            self.forget();
+        if self.identity.is_some() && !same {
+            self.identity = Some(identity);
+            self.clock = Clock::new(self.introduction.watchdog);
             told.push(Heard::Rebooted);
+            // The one that was there before may come back, and must not go on with the old numbers.
+            return self.converse_anew(now, told);
         }
         self.wait_anew(now);
         self.identity = Some(identity.clone());
         // In the same life its clock goes on: what waited at the robot while the line was gone is late, and
         // nothing to hold later messages against.
-        if before != Some(identity.boot) {
+        if !same {
             self.clock = Clock::new(self.introduction.watchdog);
         }
         (self.clean, self.news, self.fewer) = (now, now, None);

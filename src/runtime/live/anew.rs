@@ -15,23 +15,29 @@ impl<W: Write> LiveRun<W> {
     /// known. The operator decides when it goes to find its place; without one the run ends here, to be gone
     /// on with.
     pub(super) fn out_of_hand(&mut self, why: &str, now: f64) {
-        let why = format!("{why}: where it is, is no longer known");
-        let told = self.settling.is_some() && self.carried.is_some();
-        if !told {
-            // Two hosts that quarrel over one robot would fill the log.
-            self.remark(why.clone(), now);
-        }
+        let stranger = self.stranger();
+        let known = stranger.is_none();
+        let why = stranger.unwrap_or_else(|| format!("{why}: where it is, is no longer known"));
+        self.remark_once(why.clone(), now);
         self.stop(now);
         let Some(session) = &self.session else {
             return self.end(Outcome::Failed, why);
         };
         if self.plan.at_once {
-            return self.end(Outcome::Failed, format!("{why}; --resume finds its place again"));
+            let then = if known { "; --resume finds its place again" } else { "" };
+            return self.end(Outcome::Failed, format!("{why}{then}"));
         }
         let tracker = session.mission().tracker();
         self.restarted = tracker.last();
         self.settling = Some(0);
         self.carried = Some(Intent::Placed { near: None });
+    }
+
+    /// Why the robot that is there does not go on with the run that another began; none when it is the one.
+    pub(super) fn stranger(&self) -> Option<String> {
+        let was = &self.session.as_ref()?.mission().settings().chassis;
+        let why = differs(self.robot.as_ref()?, was, self.host.identity()?)?;
+        Some(format!("{why}: it does not go on with the run; put the right one back, or leave"))
     }
 
     /// Goes on with a run, if this is its robot; in another life of it, or carried, it has to find its
@@ -45,6 +51,7 @@ impl<W: Write> LiveRun<W> {
             return self.end(Outcome::Failed, why);
         }
         let Interrupted { session, robot, life, unrecorded, records, placed } = interrupted;
+        (self.robot, self.taken) = (Some(robot.name), now);
         self.journal = self.out.take().map(|out| Journal::go_on(out, records));
         let time_us = session.mission().tracker().time_us();
         for command in &unrecorded {

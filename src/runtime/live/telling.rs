@@ -11,8 +11,7 @@ impl<W: Write> LiveRun<W> {
     /// Changes whenever the snapshot would differ, the age of what is old included.
     #[must_use]
     pub fn version(&self, now: f64) -> u64 {
-        let old = self.host.health() != Health::Up;
-        let tenths = if old { (self.host.silence(now) * 10.0) as u64 + 1 } else { 0 };
+        let tenths = self.age(now).map_or(0, |age| (age * 10.0) as u64 + 1);
         let changes = self.version + self.session.as_ref().map_or(0, Session::version);
         changes.wrapping_mul(1 << 24).wrapping_add(tenths)
     }
@@ -28,12 +27,18 @@ impl<W: Write> LiveRun<W> {
             return waiting;
         };
         let mut snapshot = session.snapshot();
-        if self.host.health() != Health::Up
+        if let Some(age) = self.age(now)
             && let Known::Known(value) = snapshot.robot
         {
-            snapshot.robot = Known::Stale { value, age: self.host.silence(now) };
+            snapshot.robot = Known::Stale { value, age };
         }
         snapshot
+    }
+
+    /// How old it is what the run knows of its robot, seconds; none when it is current.
+    fn age(&self, now: f64) -> Option<f64> {
+        let old = self.host.health() != Health::Up || self.stranger().is_some();
+        old.then_some(now - self.taken)
     }
 
     /// How far the run has come; none before the robot is there.

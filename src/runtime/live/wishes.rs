@@ -42,6 +42,9 @@ impl<W: Write> LiveRun<W> {
                 | Intent::StepEvent
                 | Intent::StepPhase
         );
+        if sets_going && let Some(why) = self.stranger() {
+            return Some(why);
+        }
         // Set going before, it would go on from where it was, and nobody would tell it any more that it is
         // somewhere else.
         let waits = self.settling.is_some() || self.carried.is_some();

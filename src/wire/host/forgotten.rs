@@ -34,15 +34,20 @@ impl Host {
         now - since > HOLE && self.answered > since
     }
 
-    /// Begins another conversation: which of the numbers of this one are which can no longer be told. What
-    /// the robot did in between is not known.
+    /// Which of the numbers of this conversation are which can no longer be told, and what the robot did in
+    /// between is not known: another one begins.
     pub(super) fn begin_anew(&mut self, now: f64, told: &mut Vec<Heard>) {
+        told.push(Heard::Forgotten);
+        self.converse_anew(now, told);
+    }
+
+    /// Begins another conversation.
+    pub(super) fn converse_anew(&mut self, now: f64, told: &mut Vec<Heard>) {
         self.session = self.session.wrapping_add(NEXT);
         self.introduction = Introduction::default();
         self.forget();
         (self.opened, self.clean, self.hello_due) = (now, now, now);
         self.out.clear();
-        told.push(Heard::Forgotten);
         self.turn(Health::Opening, told);
     }
 

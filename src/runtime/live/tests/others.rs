@@ -128,3 +128,50 @@ fn a_run_without_an_operator_ends_when_another_host_speaks() {
         assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "open: {open}: it moves");
     }
 }
+
+/// Whatever the operator says, another robot does not go on with the run: its wheels count other lengths. Not
+/// even one that was started as often.
+#[test]
+fn another_robot_at_the_port_does_not_go_on_with_the_run() {
+    for (boot, pulled) in [(70, false), (3, true)] {
+        let mut rig = touring();
+        let own = rig.device.clone();
+        if pulled {
+            replug(&mut rig, lead(boot));
+        } else {
+            rig.device = lead(boot);
+            Hardware::drive(&mut rig.body, 0.0, 0.0);
+        }
+        let from = rig.body.true_pose().position;
+        rig.until(5.0, |_| false);
+        let believed = |rig: &Rig| {
+            let tracker = rig.run.session().expect("a session").mission().tracker();
+            (tracker.time_us(), tracker.travelled())
+        };
+        let before = believed(&rig);
+        for wish in [Intent::ClearStop, Intent::Run, Intent::StepCommand] {
+            rig.run.intent(wish, rig.now);
+            rig.until(3.0, |_| false);
+            assert_eq!(rig.run_state(), RunState::Stopped, "{boot}: {wish:?}");
+        }
+        let went = (rig.body.true_pose().position - from).norm();
+        assert!(went < 1e-3, "{boot}: it went {went} m");
+        assert_eq!(believed(&rig), before, "{boot}: it is taken for the other");
+        let told = rig.run.snapshot(rig.now);
+        assert!(matches!(told.robot, crate::session::Known::Stale { age, .. } if age > 5.0));
+        let both = |what: &str| what.contains("tin") && what.contains("lead");
+        assert!(told.events.iter().any(|event| both(&event.kind.to_string())), "{boot}");
+        // Its own robot comes back: it was out of hand, and finds its place.
+        replug(&mut rig, own);
+        rig.until(5.0, |_| false);
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(Intent::Run, rig.now);
+        let ended = rig.until(4000.0, |rig| rig.run.ending().is_some());
+        let said = rig.run.snapshot(rig.now).events;
+        let said: Vec<_> = said.iter().rev().take(20).map(|e| e.kind.to_string()).collect();
+        assert!(ended, "{boot}: {:?} {said:#?}", rig.run_state());
+        assert_eq!(rig.run.ending().expect("an ending").outcome, Outcome::Complete, "{boot}");
+        assert!(carried::off(&rig) < 0.03, "{boot}");
+        replayed(&rig);
+    }
+}

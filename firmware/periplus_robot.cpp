@@ -31,9 +31,14 @@ Robot::Robot(Hardware& hardware, const Chassis& chassis, uint32_t boot, float sp
 
 void Robot::begin() {
   hw_.drive(0, 0);
-  seen_ = hw_.switches();
+  seen_ = switches();
   heard_ = hw_.micros();
   introduce();
+}
+
+// A whole port may be read: bits without a switch are 0 on the line.
+uint16_t Robot::switches() {
+  return static_cast<uint16_t>(hw_.switches() & ((1ul << chassis_.switches) - 1));
 }
 
 Robot::Stamp Robot::now() {
@@ -206,7 +211,7 @@ void Robot::event(const char* rest, char letter) {
 }
 
 void Robot::poll() {
-  const uint16_t is = hw_.switches();
+  const uint16_t is = switches();
   const uint16_t changed = is ^ seen_;
   if (!changed) return;
   const Stamp at = now();

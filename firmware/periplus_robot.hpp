@@ -57,6 +57,7 @@ class Robot {
   enum Kind : uint8_t { kNone, kMove, kTurn, kRest };
 
   Stamp now();
+  uint16_t switches();
   void say(const char* body);
   void introduce();
   void line();

@@ -87,8 +87,11 @@ impl Mission {
         sensor < self.settings.chassis.sensors.len()
     }
 
-    /// Takes what the switches say, and listens no longer to one that gives itself away by it.
-    fn hear(&mut self, switches: SwitchSet, out: &mut Vec<Output>) {
+    /// Takes what the switches say, and listens no longer to one that gives itself away by it. What comes of
+    /// inputs that no switch is at is nothing.
+    fn hear(&mut self, told: SwitchSet, out: &mut Vec<Output>) {
+        let own = |set: SwitchSet, index| set.with(index, told.has(index));
+        let switches = (0..self.settings.chassis.sensors.len()).fold(SwitchSet::EMPTY, own);
         self.raw = switches;
         let going = Going {
             travelled: self.tracker.travelled(),

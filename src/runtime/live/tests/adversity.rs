@@ -237,3 +237,22 @@ fn a_broken_switch_is_named_and_the_run_goes_on_without_it() {
         }
     }
 }
+
+/// Firmware that reads a whole port tells of inputs that no switch is at: they are nothing to go by, and
+/// nothing breaks over them, in a record either.
+#[test]
+fn inputs_without_a_switch_say_nothing() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.broken = Some(Broken { switch: 12, how: Fault::Closed });
+    assert!(rig.until(900.0, |rig| rig.run.ending().is_some()), "it goes on and on");
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    let mission = rig.run.session().expect("a session").mission();
+    assert!(mission.map().closed && mission.map().doubted.is_empty());
+    assert!(!mission.switches().0.has(12), "it is shown");
+    let bytes = rig.memory.bytes.borrow().clone();
+    let recording = crate::journal::reader::parse(std::path::Path::new("memory"), &bytes);
+    let mut replay = crate::session::Replay::new(recording.expect("a record"));
+    replay.finish();
+    assert_eq!(replay.difference(), None);
+}

@@ -105,6 +105,11 @@ impl Firmware {
         self.running = Some(Running { command, begin, speed: 0.0, ending, stopped, still, last });
     }
 
+    /// A host begins to count its commands anew: a number that was there before is no repetition.
+    pub fn count_anew(&mut self) {
+        self.last_id = None;
+    }
+
     /// The host is there.
     pub fn heartbeat(&mut self) {
         self.silent = 0.0;

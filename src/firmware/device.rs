@@ -110,6 +110,7 @@ impl Device {
                     self.firmware.stop();
                     self.session = Some(session);
                     self.newest = None;
+                    self.firmware.count_anew();
                     self.event = 0;
                     self.unconfirmed.clear();
                 }

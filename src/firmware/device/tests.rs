@@ -121,3 +121,20 @@ fn what_cannot_be_done_is_refused() {
     bench.device.receive(&line);
     assert_eq!(bench.answers(), ["n 3 not understood"]);
 }
+
+/// Every host numbers its commands from 1: what the one before asked for last is not what this one asks for.
+#[test]
+fn the_first_command_of_another_host_is_done_as_well() {
+    let mut bench = bench();
+    for session in [5, 6] {
+        bench.say(&ToRobot::Hello { version: VERSION, session });
+        let from = bench.body.true_pose().position;
+        assert_eq!(bench.say(&ahead(1, 0.02)), ["a 1"]);
+        let done = bench.live(0.28);
+        bench.say(&ToRobot::Ping { number: 1, event: 0 });
+        let done = [done, bench.live(0.28)].concat();
+        assert!(done.iter().any(|line| line.starts_with("d 1 1 ok")), "{session}: {done:?}");
+        let went = (bench.body.true_pose().position - from).norm();
+        assert!((went - 0.02).abs() < 0.001, "{session}: {went} m");
+    }
+}

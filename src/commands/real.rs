@@ -17,7 +17,7 @@ use crate::runtime::line::Line;
 use crate::runtime::live::{Interrupted, LiveRun, Plan};
 use crate::runtime::progress::Bar;
 use crate::runtime::robot::SimulatedRobot;
-use crate::runtime::{Driven, Ending, OutputFolder, Signals, Stopwatch};
+use crate::runtime::{Driven, Ending, FolderError, OutputFolder, Signals, Stopwatch};
 use crate::session::{Replay, Snapshot};
 use crate::simulator::Body;
 use std::fs::File;
@@ -80,7 +80,8 @@ fn take_up(
     dir: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
     let refused = |why: String| CommandError::Input(format!("--resume {}: {why}", dir.display()));
-    let recording = crate::journal::read(dir)?;
+    let (folder, mut journal) = reopen(dir)?;
+    let recording = crate::journal::read_open(&folder.journal(), &mut journal)?;
     glue::warn_torn(&recording);
     let (header, sound) = (recording.header.clone(), recording.sound as u64);
     let records = recording.records.len() as u64;
@@ -117,11 +118,24 @@ fn take_up(
     }
     let plan =
         Plan { settings: header.settings, port: address.to_string(), until: header.until, at_once };
-    let (folder, journal) = OutputFolder::reopen(dir, sound)?;
+    folder.cut(&mut journal, sound)?;
     let placed = common.keeping.placed;
     let interrupted = Interrupted { session, robot, life, placed, unrecorded, records };
     let line = Line::open(address.clone(), plan, journal, Some(interrupted));
     Ok((line.map_err(|error| CommandError::Input(error.to_string()))?, folder))
+}
+
+/// Takes the record of an interrupted run in hand, before it is read: another program may still write to it.
+fn reopen(dir: &Path) -> Result<(OutputFolder, File), CommandError> {
+    match OutputFolder::reopen(dir) {
+        Ok(open) => Ok(open),
+        Err(busy @ FolderError::Busy { .. }) => Err(busy.into()),
+        Err(error) => {
+            // What cannot be read either says more.
+            crate::journal::read(dir)?;
+            Err(error.into())
+        }
+    }
 }
 
 /// A run goes on as it was begun: a flag that says something else is refused with the difference.
@@ -367,4 +381,26 @@ pub fn ports() -> Result<u8, CommandError> {
         output::print(&format!("{line}\n"))?;
     }
     Ok(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Read before it is in hand, what the other program writes last would be cut off as damage.
+    #[test]
+    fn a_record_that_another_program_writes_is_not_even_read() {
+        let dir = std::env::temp_dir().join(format!("periplus-{}-busy", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a folder");
+        let file = File::create(dir.join("journal")).expect("a record");
+        file.try_lock().expect("nobody has it");
+        let address: Address = "tcp://127.0.0.1:1".parse().expect("an address");
+        let taken = || take_up(&address, &Common::default(), (None, false), &dir);
+        let why = taken().err().expect("two writers").to_string();
+        assert!(why.contains("another program is recording"), "{why}");
+        drop(file);
+        let why = taken().err().expect("it is empty").to_string();
+        assert!(why.contains("never began"), "{why}");
+        let _ = std::fs::remove_dir_all(&dir);
+    }
 }

@@ -5,6 +5,7 @@ use super::{Entry, Header, Life, MAGIC, Record, VERSION, is_unbegun};
 use crate::mapping::settings;
 use crate::mapping::tape::Tape;
 use crate::robot::{Intent, Odometer, SwitchSet, Telemetry};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Letters of the longest name of a world, or of a robot and its port.
@@ -103,6 +104,20 @@ pub fn read(path: &Path) -> Result<Recording, JournalError> {
     match std::fs::read(&path) {
         Ok(bytes) => parse(&path, &bytes),
         Err(error) => Err(JournalError::Unreadable { path, reason: error.to_string() }),
+    }
+}
+
+/// Reads a record that is open, from where it stands; `path` is for complaints only.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_open(path: &Path, file: &mut impl Read) -> Result<Recording, JournalError> {
+    let mut bytes = Vec::new();
+    match file.read_to_end(&mut bytes) {
+        Ok(_) => parse(path, &bytes),
+        Err(error) => {
+            Err(JournalError::Unreadable { path: path.to_owned(), reason: error.to_string() })
+        }
     }
 }
 

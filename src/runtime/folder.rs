@@ -117,19 +117,27 @@ impl OutputFolder {
         Ok((Self { path: path.to_owned() }, file))
     }
 
-    /// The folder of a run that was interrupted, and its record cut to the `sound` bytes that hold,
-    /// to go on with.
+    /// The folder of a run that was interrupted, and its record, to be read and gone on with: from now on
+    /// nobody else writes to it, so what is read of it is all that there will be.
     ///
     /// # Errors
-    /// When the record cannot be written.
-    pub fn reopen(path: &Path, sound: u64) -> Result<(Self, File), FolderError> {
+    /// When another program has it in hand, or it cannot be written.
+    pub fn reopen(path: &Path) -> Result<(Self, File), FolderError> {
         let journal = path.join("journal");
-        let unwritable = |error: io::Error| FolderError::unwritable(&journal, &error);
-        let mut file = OpenOptions::new().write(true).open(&journal).map_err(unwritable)?;
+        let file = OpenOptions::new().read(true).write(true).open(&journal);
+        let file = file.map_err(|error| FolderError::unwritable(&journal, &error))?;
         only_writer(path, &file)?;
-        let cut = file.set_len(sound).and_then(|()| file.seek(SeekFrom::End(0)));
-        cut.map_err(unwritable)?;
         Ok((Self { path: path.to_owned() }, file))
+    }
+
+    /// Cuts the record that was [reopened](Self::reopen) to the `sound` bytes that hold; what is written next
+    /// goes on from there.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn cut(&self, journal: &mut File, sound: u64) -> Result<(), FolderError> {
+        let cut = journal.set_len(sound).and_then(|()| journal.seek(SeekFrom::End(0)));
+        cut.map(drop).map_err(|error| FolderError::unwritable(&self.journal(), &error))
     }
 
     /// Clears away what a run left that never began: the folder is free for another try.
@@ -361,6 +369,30 @@ mod tests {
         fs::create_dir_all(&path).expect("a folder");
         fs::write(path.join("journal"), "my diary").expect("a file");
         assert!(OutputFolder::create(&path).is_err(), "somebody's file was taken");
+        let _ = fs::remove_dir_all(&path);
+    }
+
+    #[test]
+    fn a_record_that_is_gone_on_with_is_nobody_elses_before_it_is_read() {
+        use std::io::Read;
+        let path = place("taken-up");
+        fs::create_dir_all(&path).expect("a folder");
+        let record = path.join("journal");
+        fs::write(&record, "one\n").expect("a record");
+        let (_, mut first) = OutputFolder::reopen(&path).expect("nobody has it");
+        let busy = OutputFolder::reopen(&path).expect_err("two writers");
+        assert!(matches!(busy, FolderError::Busy { .. }), "{busy}");
+        let mut text = String::new();
+        first.read_to_string(&mut text).expect("text");
+        first.write_all(b"two\nthr").expect("room");
+        drop(first);
+        let (folder, mut second) = OutputFolder::reopen(&path).expect("the other has ended");
+        text.clear();
+        second.read_to_string(&mut text).expect("text");
+        assert_eq!(text, "one\ntwo\nthr", "what the other wrote last is there");
+        folder.cut(&mut second, 8).expect("it is cut");
+        second.write_all(b"three\n").expect("room");
+        assert_eq!(fs::read_to_string(&record).expect("text"), "one\ntwo\nthree\n");
         let _ = fs::remove_dir_all(&path);
     }
 

@@ -21,6 +21,7 @@ use crate::runtime::{Driven, Ending, FolderError, OutputFolder, Signals, Stopwat
 use crate::session::{Replay, Snapshot};
 use crate::simulator::Body;
 use std::fs::File;
+use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -199,7 +200,6 @@ pub fn run(
             bar.show(&progress, watch.seconds());
         }
     };
-    bar.clear();
     let Some(mut run) = line.leave() else {
         return Err(CommandError::Input("the control thread failed; see the record".to_owned()));
     };
@@ -208,11 +208,17 @@ pub fn run(
     {
         ending = last;
     }
+    // The robot stands by now, however long the terminal takes.
+    let heard = bar.clear();
     let driven = Driven { ending, signal, wall_seconds: watch.seconds() };
     let kept = write(&mut run, &driven.ending, &folder, driven.wall_seconds);
     let record = run.record(&driven.ending, driven.wall_seconds);
     let figures = record.and_then(|record| body::figures(&record));
     drop(run);
+    if signal.is_some() && !heard && std::io::stdout().is_terminal() {
+        // Told to end, it does not wait for a terminal that takes nothing to take the last line.
+        return Ok(driven.status());
+    }
     let mut status = kept.status(driven.status());
     if told == Told::Measured && kept != Kept::Nothing {
         status = status.max(ending::print_measured(figures, &folder)?);

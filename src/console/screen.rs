@@ -78,7 +78,19 @@ impl Screen {
         Self::over(File::from(io::stdout().as_fd().try_clone_to_owned()?))
     }
 
-    fn over(mut terminal: impl Write + Send + 'static) -> io::Result<Self> {
+    /// The way to standard error.
+    ///
+    /// # Errors
+    /// When the system refuses the thread.
+    pub fn of_errors() -> io::Result<Self> {
+        Self::over(File::from(io::stderr().as_fd().try_clone_to_owned()?))
+    }
+
+    /// The way to `terminal`.
+    ///
+    /// # Errors
+    /// When the system refuses the thread.
+    pub fn over(mut terminal: impl Write + Send + 'static) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let served = shared.clone();
         let body = move || served.serve(&mut terminal);

@@ -2,39 +2,52 @@
 //! is a terminal.
 
 use super::Progress;
+use crate::console::screen::{Screen, Sheet};
 use crate::export::PHASES;
 use crate::wording::clock;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
+use std::io::{self, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 /// Positions of the bar for each phase.
 const PER_PHASE: u64 = 1000;
 
-/// The bar.
+/// How long the terminal is given to take the last of it.
+const FAREWELL: Duration = Duration::from_millis(300);
+
+/// The bar. A terminal that takes nothing holds up nobody: whoever shows the bar hears signals as well.
 #[derive(Debug)]
 pub struct Bar {
-    bar: Option<ProgressBar>,
+    drawn: Option<(ProgressBar, Screen)>,
 }
 
 impl Bar {
     /// A bar on standard error, or none at all where nobody would see it move.
     #[must_use]
     pub fn new() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let length = PER_PHASE * PHASES.len() as u64;
-            let bar =
-                ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(10));
-            if let Ok(style) = ProgressStyle::with_template("{bar:12} {wide_msg}") {
-                bar.set_style(style.progress_chars("━╸─"));
-            }
-            bar
-        });
-        Self { bar }
+        let screen = io::stderr().is_terminal().then(Screen::of_errors);
+        screen.and_then(Result::ok).map_or(Self { drawn: None }, Self::on)
     }
 
-    /// Shows how far the run has come after `wall` seconds.
+    fn on(screen: Screen) -> Self {
+        let length = PER_PHASE * PHASES.len() as u64;
+        let terminal = Box::new(Terminal(Mutex::new(screen.sheet())));
+        let target = ProgressDrawTarget::term_like_with_hz(terminal, 10);
+        let bar = ProgressBar::with_draw_target(Some(length), target);
+        if let Ok(style) = ProgressStyle::with_template("{bar:12} {wide_msg}") {
+            bar.set_style(style.progress_chars("━╸─"));
+        }
+        Self { drawn: Some((bar, screen)) }
+    }
+
+    /// Shows how far the run has come after `wall` seconds, unless the terminal has not taken yet what was
+    /// shown before.
     pub fn show(&mut self, progress: &Progress, wall: f64) {
-        let Some(bar) = &self.bar else { return };
+        let Some((bar, screen)) = &self.drawn else { return };
+        if !screen.is_idle() {
+            return;
+        }
         let index = PHASES.iter().position(|&phase| phase == progress.phase).unwrap_or(0);
         let within = progress.share.unwrap_or(0.0).clamp(0.0, 1.0) * PER_PHASE as f64;
         bar.set_position(index as u64 * PER_PHASE + within as u64);
@@ -43,11 +56,60 @@ impl Bar {
         bar.set_message(message(progress, &share, wall));
     }
 
-    /// Takes the bar off the screen.
-    pub fn clear(&mut self) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
-        }
+    /// Takes the bar off the screen; says whether the terminal, if there is one, takes what it is given.
+    pub fn clear(&mut self) -> bool {
+        let Some((bar, screen)) = self.drawn.take() else { return true };
+        bar.finish_and_clear();
+        screen.settle(FAREWELL)
+    }
+}
+
+/// What the bar is drawn on.
+#[derive(Debug)]
+struct Terminal(Mutex<Sheet>);
+
+impl Terminal {
+    fn write(&self, text: &str) -> io::Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write_all(text.as_bytes())
+    }
+}
+
+impl TermLike for Terminal {
+    fn width(&self) -> u16 {
+        let size = rustix::termios::tcgetwinsize(io::stderr());
+        size.ok().map(|size| size.ws_col).filter(|columns| *columns > 0).unwrap_or(80)
+    }
+
+    fn move_cursor_up(&self, n: usize) -> io::Result<()> {
+        if n > 0 { self.write(&format!("\x1b[{n}A")) } else { Ok(()) }
+    }
+
+    fn move_cursor_down(&self, n: usize) -> io::Result<()> {
+        if n > 0 { self.write(&format!("\x1b[{n}B")) } else { Ok(()) }
+    }
+
+    fn move_cursor_right(&self, n: usize) -> io::Result<()> {
+        if n > 0 { self.write(&format!("\x1b[{n}C")) } else { Ok(()) }
+    }
+
+    fn move_cursor_left(&self, n: usize) -> io::Result<()> {
+        if n > 0 { self.write(&format!("\x1b[{n}D")) } else { Ok(()) }
+    }
+
+    fn write_line(&self, s: &str) -> io::Result<()> {
+        self.write(&format!("{s}\n"))
+    }
+
+    fn write_str(&self, s: &str) -> io::Result<()> {
+        self.write(s)
+    }
+
+    fn clear_line(&self) -> io::Result<()> {
+        self.write("\r\x1b[2K")
+    }
+
+    fn flush(&self) -> io::Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).flush()
     }
 }
 
@@ -67,6 +129,43 @@ impl Default for Bar {
 mod tests {
     use super::*;
     use crate::mapping::map::Phase;
+    use std::sync::mpsc::{Receiver, Sender, channel};
+
+    /// A terminal that takes nothing before it is let.
+    struct Stuck {
+        let_go: Receiver<()>,
+        took: Sender<usize>,
+    }
+
+    impl Write for Stuck {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            // Let go for good when nobody holds it any more.
+            let _ = self.let_go.recv();
+            let _ = self.took.send(bytes.len());
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_terminal_that_takes_nothing_holds_up_nobody_and_is_given_no_more() {
+        let ((key, let_go), (took, taken)) = (channel(), channel());
+        let screen = Screen::over(Stuck { let_go, took }).expect("a thread");
+        let mut bar = Bar::on(screen);
+        for second in 0..200 {
+            let (time, share) = (f64::from(second), Some(f64::from(second) / 200.0));
+            bar.show(&Progress { phase: Phase::Boundary, share, time, travel: time }, time);
+        }
+        assert!(!bar.clear(), "it is stuck");
+        drop(key);
+        // One frame of two lines at most, and what takes the bar away.
+        let bytes: usize = taken.iter().sum();
+        assert!((1..800).contains(&bytes), "{bytes} bytes waited");
+        assert!(Bar { drawn: None }.clear(), "where there is no terminal none is stuck");
+    }
 
     #[test]
     fn bar_and_message_of_a_long_run_take_one_row_of_80_columns() {

@@ -83,6 +83,8 @@ pub struct LiveRun<W: Write> {
     last: (Odometer, SwitchSet, bool),
     /// When the run took in last what its robot told.
     taken: f64,
+    /// Why nothing of what the robot says counts now.
+    disbelieved: Option<String>,
     ended: Option<Ending>,
     /// It goes on by itself once the robot is there and stands still; a stop before that takes it back.
     goes_on: bool,
@@ -117,6 +119,7 @@ impl<W: Write> LiveRun<W> {
             held: None,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             taken: 0.0,
+            disbelieved: None,
             ended: None,
             unrecorded: false,
             attended: None,
@@ -319,8 +322,8 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
-    /// The robot's clock went on without ours: as long as it is wrong, nothing of what it says counts, and the
-    /// stop comes back whenever it is cleared. A motion that ended then has ended.
+    /// The robot's clock went on without ours: as long as it is wrong, nothing of what it says counts, and
+    /// nothing sets it going. A motion that ended then has ended.
     fn early(&mut self, seconds: f64, ended: Option<CommandId>, now: f64) {
         let why = format!(
             "the robot cannot be believed: its clock went on by {seconds:.0} s more than time did here. If \
@@ -331,6 +334,7 @@ impl<W: Write> LiveRun<W> {
             self.stop(now);
             self.remark(why.clone(), now);
         }
+        self.disbelieved = Some(why.clone());
         if let Some(id) = ended {
             self.not_begun(id, now);
         }
@@ -351,7 +355,7 @@ impl<W: Write> LiveRun<W> {
         if self.stranger().is_some() {
             return;
         }
-        self.taken = now;
+        (self.taken, self.disbelieved) = (now, None);
         if let Some(last) = self.restarted.take() {
             self.restart = Some(Restart::between(&last, telemetry.odometer()));
         }

@@ -15,6 +15,8 @@ impl<W: Write> LiveRun<W> {
     /// known. The operator decides when it goes to find its place; without one the run ends here, to be gone
     /// on with.
     pub(super) fn out_of_hand(&mut self, why: &str, now: f64) {
+        // Another life has another clock.
+        self.disbelieved = None;
         let stranger = self.stranger();
         let known = stranger.is_none();
         let why = stranger.unwrap_or_else(|| format!("{why}: where it is, is no longer known"));

@@ -37,7 +37,8 @@ impl<W: Write> LiveRun<W> {
 
     /// How old it is what the run knows of its robot, seconds; none when it is current.
     fn age(&self, now: f64) -> Option<f64> {
-        let old = self.host.health() != Health::Up || self.stranger().is_some();
+        let up = self.host.health() == Health::Up && self.disbelieved.is_none();
+        let old = !up || self.stranger().is_some();
         old.then_some(now - self.taken)
     }
 

@@ -42,7 +42,9 @@ impl<W: Write> LiveRun<W> {
                 | Intent::StepEvent
                 | Intent::StepPhase
         );
-        if sets_going && let Some(why) = self.stranger() {
+        if let Some(why) = self.stranger().or_else(|| self.disbelieved.clone())
+            && sets_going
+        {
             return Some(why);
         }
         // Set going before, it would go on from where it was, and nobody would tell it any more that it is

@@ -195,6 +195,25 @@ fn a_clock_that_leaps_stops_the_robot_at_once() {
     }
 }
 
+/// Whoever clears the stop of such a robot and sets it going sends it nowhere, not even for a moment, and sees
+/// that what is shown is old.
+#[test]
+fn a_robot_whose_clock_leapt_is_told_nothing() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.clock = |us| if us < 20_000_000 { us } else { us + (1 << 32) };
+    rig.until(2.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(22.0, |_| false);
+    assert_eq!(rig.run_state(), RunState::Stopped);
+    let shown = rig.run.snapshot(rig.now).robot;
+    assert!(matches!(shown, crate::session::Known::Stale { .. }), "{shown:?}");
+    for wish in [Intent::Run, Intent::StepCommand] {
+        rig.run.intent(Intent::ClearStop, rig.now);
+        rig.run.intent(wish, rig.now);
+        assert!(!rig.until(0.5, |rig| rig.device.is_moving()), "{wish:?}: it is told to move");
+    }
+}
+
 #[test]
 fn encoders_that_stand_still_end_the_run() {
     let mut rig = rig(Faults::default(), 1, true);

@@ -42,6 +42,13 @@ impl Address {
         }
     }
 
+    /// Whether a bridge is in between, which may go away without a word: the system itself would wait for
+    /// minutes before it says so.
+    #[must_use]
+    pub fn is_bridge(&self) -> bool {
+        matches!(self, Self::Tcp { .. })
+    }
+
     /// Bits a second; 0 where bytes take no time that counts.
     #[must_use]
     pub fn baud(&self) -> u32 {

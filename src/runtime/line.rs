@@ -27,6 +27,8 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 const TICK: Duration = Duration::from_millis(5);
 /// A write that makes no progress for this long means that the port is gone, seconds.
 const STUCK: f64 = 1.0;
+/// A bridge over which nothing came for this long is opened anew, seconds: longer than a board takes to start.
+const SILENT: f64 = 5.0;
 /// First and longest pause between attempts to open a port that went away, seconds.
 const BACKOFF: (f64, f64) = (0.25, 5.0);
 /// How far the run has come is told this often, seconds.
@@ -361,6 +363,7 @@ impl Keeper {
         let mut bytes = [0_u8; 4096];
         let mut waiting: Vec<u8> = Vec::new();
         let mut progress = self.now();
+        let mut heard = progress;
         let mut leaving: Option<f64> = None;
         loop {
             tokio::select! {
@@ -383,6 +386,7 @@ impl Keeper {
                     Ok(0) | Err(_) => break,
                     Ok(count) => {
                         let now = self.now();
+                        heard = now;
                         self.run.receive(&bytes[..count], now);
                     }
                 },
@@ -399,6 +403,9 @@ impl Keeper {
             if waiting.is_empty() {
                 progress = now;
             } else if now - progress > STUCK {
+                break;
+            }
+            if self.address.is_bridge() && now - heard > SILENT {
                 break;
             }
             self.show();

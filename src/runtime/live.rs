@@ -16,7 +16,7 @@ use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::settings::Settings;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Odometer, SwitchSet, Telemetry};
 use crate::session::{Outgoing, RunState, Session};
-use crate::wire::host::Identity;
+use crate::wire::host::{Identity, Loss};
 use crate::wire::{Health, Heard, Host};
 use restart::Restart;
 use std::io::Write;
@@ -310,8 +310,12 @@ impl<W: Write> LiveRun<W> {
         self.version += 1;
         match health {
             Health::Lost(why) => {
-                // Tell, halt, latch.
-                self.remark(format!("link lost: {why}"), now);
+                // Tell, halt, latch. That nobody answers is no news at every attempt.
+                let what = format!("link lost: {why}");
+                match why {
+                    Loss::NoAnswer | Loss::Foreign(_) => self.remark_once(what, now),
+                    _ => self.remark(what, now),
+                }
                 self.stop(now);
                 if self.plan.at_once || self.session.is_none() {
                     self.end(Outcome::Failed, format!("link lost: {why}"));

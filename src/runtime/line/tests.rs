@@ -144,6 +144,33 @@ fn a_bridge_that_does_not_answer_is_left_at_once() {
     assert_eq!(runtime.expect("a runtime").block_on(never), None);
 }
 
+/// A bridge that lost its power says nothing of it, and the system would keep the connection for minutes.
+#[test]
+fn a_bridge_that_falls_silent_is_tried_anew() {
+    let bridge = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let place = bridge.local_addr().expect("an address");
+    let address: Address = format!("tcp://{place}").parse().expect("an address");
+    let settings = Settings::new(crate::geometry::Pose::new(0.0, 0.0, 0.0));
+    let plan = Plan { settings, port: address.to_string(), until: None, at_once: false };
+    let record = std::env::temp_dir().join(format!("periplus-{}-bridge", std::process::id()));
+    let journal = File::create(&record).expect("a record");
+    let line = Line::open(address, plan, journal, None).expect("the line opens");
+    let (told, tries) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        // Taken, kept, and never answered.
+        for connection in bridge.incoming() {
+            if told.send(connection).is_err() {
+                return;
+            }
+        }
+    });
+    let first = tries.recv_timeout(Duration::from_secs(20));
+    let second = tries.recv_timeout(Duration::from_secs(20));
+    assert!(first.is_ok() && second.is_ok(), "it is waited for for ever");
+    drop(line.leave());
+    let _ = std::fs::remove_file(&record);
+}
+
 /// One test, since a panic anywhere stops every robot that this program keeps.
 #[test]
 fn a_panic_stops_the_robot_and_an_unplugged_line_is_seen() {

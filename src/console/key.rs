@@ -93,6 +93,48 @@ impl Key {
         }
     }
 
+    /// What a terminal sends where this key is pressed, when that is not this key. A plain terminal sends one
+    /// byte for a letter with ctrl, and has 32 of them: several are those of keys with names, and the rest of the
+    /// keyboard comes as if nobody held ctrl, if it comes at all.
+    #[must_use]
+    pub fn comes_as(self) -> Option<String> {
+        const CTRL: KeyModifiers = KeyModifiers::CONTROL;
+        let plain = self.modifiers.difference(CTRL | KeyModifiers::SHIFT);
+        let (code, modifiers) = match self.code {
+            KeyCode::Char(letter) if self.modifiers.contains(CTRL) => match letter {
+                'i' => (KeyCode::Tab, plain),
+                'j' | 'm' => (KeyCode::Enter, plain),
+                'h' | '8' | '?' => (KeyCode::Backspace, plain),
+                '[' | '3' => (KeyCode::Esc, plain),
+                '@' | '2' => (KeyCode::Char(' '), plain | CTRL),
+                '\\' => (KeyCode::Char('4'), plain | CTRL),
+                ']' => (KeyCode::Char('5'), plain | CTRL),
+                '^' => (KeyCode::Char('6'), plain | CTRL),
+                '_' | '/' => (KeyCode::Char('7'), plain | CTRL),
+                ' ' | 'a'..='z' | '4'..='7' => (self.code, self.modifiers),
+                other => (KeyCode::Char(other), plain),
+            },
+            // Arrows and the like begin so.
+            KeyCode::Char('[' | 'O') if self.modifiers == KeyModifiers::ALT => {
+                return Some("the beginning of another key".to_owned());
+            }
+            KeyCode::Tab if self.modifiers.contains(KeyModifiers::SHIFT) => {
+                (KeyCode::BackTab, KeyModifiers::NONE)
+            }
+            KeyCode::BackTab | KeyCode::Esc => (self.code, KeyModifiers::NONE),
+            KeyCode::Enter | KeyCode::Tab | KeyCode::Backspace => (self.code, plain),
+            _ => (self.code, self.modifiers),
+        };
+        let comes = Self { code, modifiers };
+        (comes != self).then(|| comes.comes_as().unwrap_or_else(|| format!("`{comes}`")))
+    }
+
+    /// Whether this is Ctrl-C, by which everything in a terminal is stopped.
+    #[must_use]
+    pub fn is_ctrl_c(self) -> bool {
+        self.code == KeyCode::Char('c') && self.modifiers == KeyModifiers::CONTROL
+    }
+
     /// The letter typed, when it is one to be written down.
     #[must_use]
     pub fn typed(self) -> Option<char> {

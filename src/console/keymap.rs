@@ -70,6 +70,22 @@ pub enum KeymapError {
         /// What was found.
         key: String,
     },
+    /// A key that no terminal sends, or not as itself.
+    #[error(
+        "{file}:{line}: `{key}` for `{name}` is a key that no terminal sends: it comes as {comes}"
+    )]
+    Unsent {
+        /// Name of the file.
+        file: String,
+        /// Line.
+        line: usize,
+        /// The action.
+        name: String,
+        /// What was found.
+        key: String,
+        /// What comes instead.
+        comes: String,
+    },
     /// One key for two actions.
     #[error(
         "{file}:{line}: the key `{key}` is given to `{name}` and, on line {first_line}, to \
@@ -131,10 +147,12 @@ impl Keymap {
         Reader { text, file, seen: Vec::new() }.read()
     }
 
-    /// What `key` asks for.
+    /// What `key` asks for. Where nothing is said of Ctrl-C, it stops the robot.
     #[must_use]
     pub fn action(&self, key: Key) -> Option<Action> {
-        self.bindings.iter().find(|(bound, _)| *bound == key).map(|&(_, action)| action)
+        let bound = self.bindings.iter().find(|(bound, _)| *bound == key);
+        let usual = || key.is_ctrl_c().then_some(Action::Stop);
+        bound.map(|&(_, action)| action).or_else(usual)
     }
 
     /// The keys that ask for `action`, in the order of the file.
@@ -269,6 +287,10 @@ impl Reader<'_> {
                 key: text.to_owned(),
             });
         };
+        if let Some(comes) = key.comes_as() {
+            let (name, key) = (name.to_owned(), text.to_owned());
+            return Err(KeymapError::Unsent { file, line, name, key, comes });
+        }
         if let Some(&(_, first, first_line)) = self.seen.iter().find(|(seen, ..)| *seen == key) {
             return Err(KeymapError::Duplicate {
                 file,
@@ -348,6 +370,41 @@ mod tests {
         ] {
             assert_eq!(keymap.action(Key::parse(key).unwrap()), Some(action), "key {key}");
         }
+    }
+
+    #[test]
+    fn a_key_that_comes_as_another_is_refused_with_that_one() {
+        for (key, comes) in [
+            ("ctrl-m", "enter"),
+            ("ctrl-j", "enter"),
+            ("ctrl-i", "tab"),
+            ("ctrl-h", "backspace"),
+            ("ctrl-[", "esc"),
+            ("ctrl-3", "esc"),
+            ("ctrl-2", "ctrl-space"),
+            ("ctrl-1", "1"),
+            ("ctrl-.", "."),
+            ("ctrl--", "-"),
+            ("ctrl-α", "α"),
+            ("ctrl-enter", "enter"),
+            ("ctrl-alt-m", "alt-enter"),
+            ("shift-enter", "enter"),
+            ("shift-tab", "backtab"),
+            ("ctrl-esc", "esc"),
+            ("alt-esc", "esc"),
+            ("ctrl-\\", "ctrl-4"),
+        ] {
+            let key = key.replace('\\', "\\\\");
+            let told = error(&format!("[keys]\nquit = [\"q\"]\nstop = [\"{key}\"]\n"));
+            let says = format!("no terminal sends: it comes as `{comes}`");
+            assert!(told.starts_with("my.toml:3: `") && told.contains(&says), "{key}: {told}");
+        }
+        let begins = error("[keys]\nquit = [\"q\"]\nstop = [\"alt-[\"]\n");
+        assert!(begins.contains("`alt-[`") && begins.contains("begin"), "{begins}");
+        let sent = "[\"ctrl-space\", \"ctrl-4\", \"ctrl-l\", \"ctrl-c\", \"alt-x\", \"alt-enter\", \
+                    \"ctrl-alt-x\", \"shift-left\", \"ctrl-pagedown\", \"backtab\", \"enter\", \"shift-f5\"]";
+        let told = error(&format!("[keys]\nquit = [\"q\"]\nstop = {sent}\n"));
+        assert_eq!(told, "it was accepted");
     }
 
     #[test]

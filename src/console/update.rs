@@ -66,8 +66,9 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
     let action = model.keymap.action(key);
     let typing = matches!(model.overlay, Overlay::Line(_));
     // Stop comes before everything else. Only while a command is typed and nothing can move is
-    // its key a letter like others.
-    if action == Some(Action::Stop) && (!typing || key.typed().is_none() || may_move(snapshot)) {
+    // its key a letter like others. Ctrl-C stops what may move, whatever else the keymap has made of it.
+    let stops = action == Some(Action::Stop) || (key.is_ctrl_c() && may_move(snapshot));
+    if stops && (!typing || key.typed().is_none() || may_move(snapshot)) {
         if !typing {
             model.overlay = Overlay::None;
         }

@@ -134,3 +134,30 @@ fn what_has_no_key_is_called_by_its_name() {
     assert!(line.out_of_reach().is_empty(), "everything has a name");
     assert_eq!(Keymap::default().way(Action::ClearStop), "c");
 }
+
+/// Whoever's hands know one key only: it stops, whatever the keymap has made of the others.
+#[test]
+fn ctrl_c_stops_the_robot_whatever_the_keymap_says() {
+    let ctrl_c = Key::parse("ctrl-c").expect("a key");
+    let bare = "[keys]\nstop = [\"f9\"]\nquit = [\"f10\"]\n";
+    let other = format!("{bare}fit = [\"ctrl-c\"]\n");
+    let stop = [Effect::Intent(Intent::Stop)];
+    for text in [super::super::keymap::DEFAULT, bare, &other] {
+        let keymap = Keymap::parse(text, "my.toml").expect("a keymap");
+        let (_, mut snapshot) = waiting();
+        snapshot.run = RunState::Running;
+        for (cols, rows) in [(80, 24), (40, 12)] {
+            for overlay in
+                [Overlay::None, Overlay::Help(0), Overlay::Line("at".into()), Overlay::ConfirmQuit]
+            {
+                let mut model = Model { overlay, ..Model::new(cols, rows, keymap.clone()) };
+                assert_eq!(press(&mut model, &snapshot, ctrl_c), stop, "{:?}", model.overlay);
+            }
+        }
+    }
+    // At rest it is what the keymap says: by default it leaves.
+    let (mut model, snapshot) = waiting();
+    assert_eq!(press(&mut model, &snapshot, ctrl_c), [Effect::Quit]);
+    let mut model = Model { keymap: Keymap::parse(bare, "my.toml").expect("a keymap"), ..model };
+    assert_eq!(press(&mut model, &snapshot, ctrl_c), stop);
+}

@@ -72,7 +72,7 @@ fn tell_unused(common: &Common) {
 }
 
 fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {
-    let recording = crate::journal::read(&args.dir)?;
+    let recording = crate::journal::read_whole_part(&args.dir)?;
     needs_terminal()?;
     glue::replay(recording, args.keymap.as_deref())
 }
@@ -87,7 +87,8 @@ fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {
     let (common, _) = Common { mapping, robot, ..Common::default() }.with_config()?;
     let frame = match (&args.replay, args.at) {
         (Some(dir), Some(at)) => {
-            glue::snapshot_of_record(crate::journal::read(dir)?, at, args.size, args.format)?
+            let recording = crate::journal::read_whole_part(dir)?;
+            glue::snapshot_of_record(recording, at, args.size, args.format)?
         }
         _ => glue::snapshot_of_world(args, &common)?,
     };

@@ -18,7 +18,7 @@ pub mod reader;
 pub mod writer;
 
 pub use hash::state_hash;
-pub use reader::{JournalError, Recording, Torn, read, read_open};
+pub use reader::{JournalError, Recording, Torn, read, read_open, read_whole_part};
 pub use writer::Journal;
 
 use crate::mapping::event::Event;

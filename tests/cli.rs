@@ -192,6 +192,50 @@ fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     assert!(told.contains("a folder; name the files in it"), "{told}");
 }
 
+/// One letter that is lost in the middle does not lose the run.
+#[test]
+fn what_is_whole_of_a_damaged_record_is_shown_and_handed_over() {
+    let dir = place("damaged").join("run");
+    let run = dir.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    assert_eq!(
+        periplus(&["run", "--world", world, "--until", "boundary", "--out", run]).status.code(),
+        Some(0)
+    );
+    let record = dir.join("journal");
+    let mut lines: Vec<Vec<u8>> = fs::read(&record)
+        .expect("a record")
+        .split_inclusive(|&byte| byte == b'\n')
+        .map(<[u8]>::to_vec)
+        .collect();
+    let digit = lines[499].iter().rposition(u8::is_ascii_digit).expect("a digit");
+    lines[499][digit] = if lines[499][digit] == b'7' { b'8' } else { b'7' };
+    let left_out = lines.len() - 499;
+    fs::write(&record, lines.concat()).expect("a record");
+    for name in ["map.json", "map.geojson", "map.svg"] {
+        fs::remove_file(dir.join(name)).expect("a result");
+    }
+    let warned = |output: &std::process::Output| {
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        let says =
+            format!("damaged in line 500; it and what follows, {left_out} lines, is left out");
+        assert!(said.contains(&says), "{said}");
+    };
+    let frame = periplus(&["snapshot", "--replay", run, "--at", "5", "--size", "80x24"]);
+    warned(&frame);
+    assert_eq!(String::from_utf8_lossy(&frame.stdout).lines().count(), 24);
+    for format in ["json", "geojson", "svg"] {
+        let made = periplus(&["export", run, "--format", format, "--out", "-"]);
+        warned(&made);
+        assert!(!made.stdout.is_empty());
+    }
+    // Nothing goes on from a record with a hole in it: what is behind that would be cut off.
+    let bytes = fs::read(&record).expect("a record");
+    refused(&["run", "--port", "tcp://127.0.0.1:1", "--resume", run], &["journal:500:", "export"]);
+    assert_eq!(fs::read(&record).expect("a record"), bytes);
+}
+
 #[test]
 fn export_hands_over_what_a_run_left() {
     let dir = place("export");

@@ -1,7 +1,7 @@
 //! `periplus export`: hands over one result of a run under another name; of one under way as
 //! well, made from its record.
 
-use super::{CommandError, output};
+use super::{CommandError, glue, output};
 use crate::cli::{ExportArgs, ExportFormat};
 use crate::export::native::MapFile;
 use crate::export::{geojson, png, ros, svg};
@@ -157,7 +157,11 @@ fn rebuilt(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, CommandError> {
     if !dir.join("journal").exists() {
         return Ok(None);
     }
-    let Ok(recording) = crate::journal::read(dir) else { return Ok(None) };
+    let Ok(recording) = crate::journal::read_whole_part(dir) else { return Ok(None) };
+    // The last line of a run that goes on is not whole as a rule.
+    if recording.torn.is_some_and(|torn| torn.damaged) {
+        glue::warn_torn(&recording);
+    }
     let made = Rebuilt::of(recording).map_err(|difference| {
         let why = format!("the record plays back another way than the run went: {difference}");
         CommandError::Input(format!("{}: {why}", dir.display()))
@@ -184,7 +188,7 @@ fn why_missing(dir: &Path) -> String {
     if !dir.join("journal").exists() {
         return "name the --out folder of a run".to_owned();
     }
-    match crate::journal::read(dir) {
+    match crate::journal::read_whole_part(dir) {
         Ok(_) => "remove it, and it is made again from the record of the run".to_owned(),
         Err(error) => format!("and the record of the run cannot be read: {error}"),
     }

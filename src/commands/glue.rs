@@ -7,7 +7,7 @@ use crate::cli::{Common, FrameFormat, FrameSize, SnapshotArgs};
 use crate::console::app::{self, Options};
 use crate::console::driver::Driver;
 use crate::console::{Keymap, frame};
-use crate::journal::{Header, Journal, Recording};
+use crate::journal::{Header, Journal, Recording, Torn};
 use crate::runtime::driver::{RealClock, SimulatedDriver};
 use crate::runtime::recorded::RecordedDriver;
 use crate::runtime::simulated::{Headless, SimulatedRun};
@@ -195,11 +195,15 @@ pub fn replay(recording: Recording, keys: Option<&Path>) -> Result<u8, CommandEr
 }
 
 pub(super) fn warn_torn(recording: &Recording) {
-    if let Some(torn) = recording.torn {
-        super::output::say(&format!(
-            "periplus: the record was cut off in line {}; {} bytes are left out",
-            torn.line, torn.bytes
-        ));
+    if let Some(Torn { line, lines, bytes, damaged }) = recording.torn {
+        super::output::say(&if damaged {
+            let lines = crate::wording::count(lines, "line", "lines");
+            format!(
+                "periplus: the record is damaged in line {line}; it and what follows, {lines}, is left out"
+            )
+        } else {
+            format!("periplus: the record was cut off in line {line}; {bytes} bytes are left out")
+        });
     }
 }
 

@@ -1,5 +1,6 @@
-//! Reading a record back. A torn tail, as a crash leaves it, is cut off and reported; damage
-//! anywhere else is an error, because a replay over a hole would tell a story that never was.
+//! Reading a record back. A torn tail, as a crash leaves it, is cut off and reported. Damage anywhere else
+//! leaves what is before it, for those who only look; to go on from there is refused, because what is behind
+//! the damage would be lost. Nothing plays on over a hole: that would tell a story that never was.
 
 use super::{Entry, Header, Life, MAGIC, Record, VERSION, is_unbegun};
 use crate::mapping::settings;
@@ -35,13 +36,17 @@ impl Recording {
     }
 }
 
-/// The end of a record that was not written whole.
+/// The end of a record that was not written whole, or what follows damage in the middle of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Torn {
     /// Line at which it was cut, from 1.
     pub line: usize,
+    /// Lines left out.
+    pub lines: usize,
     /// Bytes left out.
     pub bytes: usize,
+    /// Whether some of what is left out holds: the record was damaged, not cut off.
+    pub damaged: bool,
 }
 
 /// Why a record cannot be read.
@@ -84,7 +89,7 @@ pub enum JournalError {
         why: String,
     },
     /// A line before the last is damaged.
-    #[error("{}:{line}: {why}; the record is whole up to there", path.display())]
+    #[error("{}:{line}: {why}; `replay`, `snapshot` and `export` show what is whole, up to there", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -95,14 +100,27 @@ pub enum JournalError {
     },
 }
 
-/// Reads the record in a file, or in the file `journal` of a folder.
+/// Reads the record in a file, or in the file `journal` of a folder, to go on with it.
 ///
 /// # Errors
 /// When the file cannot be opened, is no record, or is damaged before its end.
 pub fn read(path: &Path) -> Result<Recording, JournalError> {
+    open(path).and_then(|(path, bytes)| parse(&path, &bytes))
+}
+
+/// Reads as much of the record as is whole, to look at it: of a damaged one what is before the damage.
+///
+/// # Errors
+/// When the file cannot be opened, is no record, or is damaged in its header.
+pub fn read_whole_part(path: &Path) -> Result<Recording, JournalError> {
+    let (path, bytes) = open(path)?;
+    Ok(whole_part(&path, &bytes)?.0)
+}
+
+fn open(path: &Path) -> Result<(PathBuf, Vec<u8>), JournalError> {
     let path = if path.is_dir() { path.join("journal") } else { path.to_owned() };
     match std::fs::read(&path) {
-        Ok(bytes) => parse(&path, &bytes),
+        Ok(bytes) => Ok((path, bytes)),
         Err(error) => Err(JournalError::Unreadable { path, reason: error.to_string() }),
     }
 }
@@ -126,35 +144,43 @@ pub fn read_open(path: &Path, file: &mut impl Read) -> Result<Recording, Journal
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Recording, JournalError> {
+    let (recording, why) = whole_part(path, bytes)?;
+    match recording.torn {
+        Some(Torn { line, damaged: true, .. }) => {
+            Err(JournalError::Damaged { path: path.to_owned(), line, why })
+        }
+        _ => Ok(recording),
+    }
+}
+
+/// What of the record is whole, and what is wrong with the first line that is not.
+fn whole_part(path: &Path, bytes: &[u8]) -> Result<(Recording, String), JournalError> {
     if is_unbegun(bytes) {
         return Err(JournalError::Empty { path: path.to_owned() });
     }
     let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
     let header = header(path, lines.next().unwrap_or_default())?;
     let mut records = Vec::new();
-    let mut torn: Option<(Torn, String)> = None;
+    let mut torn: Option<Torn> = None;
+    let mut wrong = String::new();
     for (index, line) in lines.enumerate() {
-        let number = index + 2;
-        if let Some((torn, why)) = &mut torn {
-            // A line that holds after one that does not: the damage is not at the end.
-            if unseal(line).is_ok() {
-                let (line, why) = (torn.line, std::mem::take(why));
-                return Err(JournalError::Damaged { path: path.to_owned(), line, why });
-            }
+        if let Some(torn) = &mut torn {
+            torn.lines += 1;
             torn.bytes += line.len();
+            // A line that holds after one that does not: the damage is not at the end.
+            torn.damaged |= unseal(line).is_ok();
             continue;
         }
         match record(line, records.len() as u64) {
             Ok(record) => records.push(record),
             Err(why) => {
-                let bytes = line.len();
-                torn = Some((Torn { line: number, bytes }, why));
+                torn = Some(Torn { line: index + 2, lines: 1, bytes: line.len(), damaged: false });
+                wrong = why;
             }
         }
     }
-    let torn = torn.map(|(torn, _)| torn);
     let sound = bytes.len() - torn.map_or(0, |torn| torn.bytes);
-    Ok(Recording { header, records, torn, sound })
+    Ok((Recording { header, records, torn, sound }, wrong))
 }
 
 fn header(path: &Path, line: &[u8]) -> Result<Header, JournalError> {

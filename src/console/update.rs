@@ -105,7 +105,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
         }
         Overlay::Line(prompt) => line::press(model, snapshot, key, prompt),
         Overlay::ConfirmQuit => {
-            if key.typed() == Some('y') || action == Some(Action::Quit) {
+            if key.typed() == Some('y') {
                 return vec![Effect::Intent(Intent::Stop), Effect::Quit];
             }
             tell(model, "staying".to_owned())

@@ -161,3 +161,16 @@ fn ctrl_c_stops_the_robot_whatever_the_keymap_says() {
     let mut model = Model { keymap: Keymap::parse(bare, "my.toml").expect("a keymap"), ..model };
     assert_eq!(press(&mut model, &snapshot, ctrl_c), stop);
 }
+
+#[test]
+fn any_key_but_yes_is_no() {
+    let (_, mut snapshot) = waiting();
+    snapshot.run = RunState::Running;
+    for name in ["q", "n", "enter", "x"] {
+        let mut model =
+            Model { overlay: Overlay::ConfirmQuit, ..Model::new(80, 24, Keymap::default()) };
+        let key = Key::parse(name).expect("a key");
+        assert!(press(&mut model, &snapshot, key).is_empty(), "{name} left");
+        assert_eq!(model.overlay, Overlay::None, "{name} is an answer");
+    }
+}

@@ -139,6 +139,37 @@ fn a_record_of_what_cannot_be_is_told_and_comes_to_its_end() {
     refused(&["run", "--resume", bent.to_str().expect("a path")], &["goes on with", "its --port"]);
 }
 
+/// What was asked for is done: nobody is told to ask for less of it, or for nothing.
+#[test]
+fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
+    let dir = place("over");
+    let (made, real) = (dir.join("run"), dir.join("real"));
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let made = made.to_str().expect("a path");
+    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", made]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let recording = read(made.as_ref()).expect("a record");
+    let mut header = recording.header.clone();
+    header.robot = Some(RobotMark { name: "rover".to_owned(), boot: 7 });
+    let write = |header: &Header, share: usize| {
+        let mut journal = Journal::begin(Vec::new(), header).expect("memory");
+        let count = recording.records.len() / share;
+        recording.records[..count].iter().for_each(|record| journal.record(record));
+        fs::write(&real, journal.finish().expect("memory")).expect("a record");
+    };
+    write(&header, 1);
+    let resume = ["run", "--port", "tcp://127.0.0.1:1", "--resume", real.to_str().expect("a path")];
+    let done = ["it is over", "boundary phase done", "begin another with --out"];
+    refused(&resume, &done);
+    refused(&[&resume[..], &["--until", "objects"]].concat(), &done);
+    // One that is not over goes on to where it was to end.
+    write(&header, 2);
+    refused(
+        &[&resume[..], &["--until", "objects"]].concat(),
+        &["--until was boundary and is now objects; leave it out to go on"],
+    );
+}
+
 /// A limit on the length of files is met as a full disk is: one message, and no word of results that
 /// are not there.
 #[cfg(unix)]

@@ -91,11 +91,6 @@ fn take_up(
         refused("it was made in the simulator; the same seed makes it again".to_owned())
     })?;
     same_settings(&header.settings, common).map_err(refused)?;
-    if until.is_some() && until != header.until {
-        let told = |until: Option<Phase>| until.map_or("not given".to_owned(), |to| to.to_string());
-        let (was, now) = (told(header.until), told(until));
-        return Err(refused(format!("--until was {was} and is now {now}; leave it out to go on")));
-    }
     let mut replay = Replay::new(recording);
     replay.finish();
     if let Some(difference) = replay.difference() {
@@ -104,8 +99,14 @@ fn take_up(
         );
         return Err(refused(why));
     }
-    if replay.is_complete() {
-        return Err(refused("that run is over; there is nothing to go on with".to_owned()));
+    if let Some(Ending { reason, .. }) = Ending::of(replay.session()) {
+        let todo = "what is over is not gone on with, begin another with --out DIR";
+        return Err(refused(format!("it is over: {reason}; {todo}")));
+    }
+    if until.is_some() && until != header.until {
+        let told = |until: Option<Phase>| until.map_or("not given".to_owned(), |to| to.to_string());
+        let (was, now) = (told(header.until), told(until));
+        return Err(refused(format!("--until was {was} and is now {now}; leave it out to go on")));
     }
     let (session, unrecorded) = replay.into_session();
     output::say(&format!(

@@ -237,6 +237,24 @@ fn what_is_whole_of_a_damaged_record_is_shown_and_handed_over() {
 }
 
 #[test]
+fn squaring_is_told_at_the_end_and_in_the_report() {
+    for (world, until, says, walls) in [
+        ("sims/rectangle.toml", "shape", "squared: 4 walls", 4),
+        ("sims/circle.toml", "shape", "nothing to square", 0),
+    ] {
+        let out = place("squared").join("run");
+        let to = out.to_str().expect("a path");
+        let run = periplus(&["run", "--world", world, "--until", until, "--square", "--out", to]);
+        let said = String::from_utf8_lossy(&run.stdout);
+        assert!(said.contains(says), "{world}: {said}");
+        assert!(said.lines().last().is_some_and(|line| line.starts_with("complete")), "{said}");
+        let report = fs::read_to_string(out.join("report.json")).expect("a report");
+        let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+        assert_eq!(report["boundary"]["squared"]["walls"], walls, "{world}");
+    }
+}
+
+#[test]
 fn export_hands_over_what_a_run_left() {
     let dir = place("export");
     fs::write(dir.join("map.svg"), "<svg/>").expect("a result");

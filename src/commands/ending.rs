@@ -1,6 +1,9 @@
 //! What is said last of a run: how it ended, and truthfully what was kept of it.
 
 use super::{CommandError, output};
+use crate::export::RunRecord;
+use crate::mapping::event::EventKind;
+use crate::mapping::square::Squared;
 use crate::runtime::{Ending, OutputFolder};
 use crate::wording::ended;
 
@@ -61,6 +64,21 @@ pub fn print_measured(figures: Option<String>, folder: &OutputFolder) -> Result<
         output::print(&format!("body written to {}: {what}\n", chassis.display()))?;
     }
     Ok(0)
+}
+
+/// Prints what squaring made of the map that is handed over, where it was asked for and there is an outline.
+///
+/// # Errors
+/// When standard output cannot be written.
+pub fn print_squared(record: &RunRecord<'_>) -> Result<(), CommandError> {
+    if !record.settings.square || record.map.shape.is_none() {
+        return Ok(());
+    }
+    let told = record.map.squared.as_ref().map_or(EventKind::NothingSquare, |squared| {
+        let Squared { walls, left, turned, moved, .. } = *squared;
+        EventKind::MadeSquare { walls, left, turned, moved }
+    });
+    output::print(&format!("{told}\n"))
 }
 
 /// Prints the last line of a run.

@@ -88,6 +88,7 @@ fn finish(
     let record = runner.record(&driven.ending, driven.wall_seconds);
     let kept = Kept::unless(folder.complaint(recorded, &folder.write_results(&record)));
     let mut status = kept.status(driven.status());
+    ending::print_squared(&record)?;
     if told == Told::Measured {
         status = status.max(ending::print_measured(body::figures(&record), folder)?);
     }

@@ -2,6 +2,7 @@
 //! squaring and a tape made of it. Shape and plan are not its business.
 
 use crate::export::{RunRecord, boundary, rounded};
+use crate::geometry::Piece;
 use crate::mapping::accuracy::Accuracy;
 use crate::mapping::map::Misclosure;
 use serde::Serialize;
@@ -88,12 +89,7 @@ impl Boundary {
             averaged_laps: record.map.laps,
             misclosure: record.map.misclosure.as_ref().map(misclosure),
             standard_error: record.map.accuracy.as_ref().and_then(errors),
-            squared: record.map.squared.as_ref().map(|squared| SquaredFigures {
-                walls: squared.walls,
-                left: squared.left,
-                turned_deg: rounded(squared.turned.to_degrees(), 3),
-                moved_m: rounded(squared.moved, 4),
-            }),
+            squared: squared(record),
             taped: record.map.taped.map(|taped| TapedFigures {
                 mapped_m: rounded(taped.mapped, 4),
                 taped_m: taped.taped,
@@ -102,6 +98,22 @@ impl Boundary {
             not_taped: record.map.untaped.map(|why| why.to_string()),
         })
     }
+}
+
+/// What squaring changed, where it was asked for: nothing, where no walls are nearly at right angles.
+fn squared(record: &RunRecord<'_>) -> Option<SquaredFigures> {
+    let shape = record.map.shape.as_ref()?;
+    if let Some(squared) = &record.map.squared {
+        return Some(SquaredFigures {
+            walls: squared.walls,
+            left: squared.left,
+            turned_deg: rounded(squared.turned.to_degrees(), 3),
+            moved_m: rounded(squared.moved, 4),
+        });
+    }
+    let straight = shape.outline.pieces.iter().filter(|piece| matches!(piece, Piece::Line { .. }));
+    let none = SquaredFigures { walls: 0, left: straight.count(), turned_deg: 0.0, moved_m: 0.0 };
+    record.settings.square.then_some(none)
 }
 
 fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {

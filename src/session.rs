@@ -432,6 +432,7 @@ impl Session {
             switches,
             bumper,
             moving: self.mission.is_moving(),
+            needs_place: self.mission.waits_for_place(),
         };
         let mut progress = self.progress;
         let current = self.mission.phase() as usize;

@@ -215,19 +215,25 @@ fn scroll(model: &mut Model, snapshot: &Snapshot, by: isize) {
     }
 }
 
-/// What has to be said before a robot drives of which nobody knows where it is.
-fn say_where(model: &Model) -> String {
+/// What has to be said before a robot drives of which nobody knows where it is. With a boundary it can look
+/// for its place by itself, though what it was told last led nowhere.
+fn say_where(model: &Model, snapshot: &Snapshot) -> String {
     let line = model.keymap.label(Action::CommandLine);
-    format!("its place is not known: type {line}placed=X,Y,DEG")
+    let alone = if snapshot.map.closed {
+        format!(", or {line}placed alone to look everywhere")
+    } else {
+        String::new()
+    };
+    format!("its place is not known: type {line}placed=X,Y,DEG{alone}")
 }
 
-/// Whether the robot was lost before there was a boundary to find its place by: it does nothing until it is told
-/// where it is.
+/// Whether the robot does nothing until it is told where it is: it was lost before there was a boundary to find
+/// its place by, or did not find it.
 fn is_nowhere(snapshot: &Snapshot) -> bool {
     let (Known::Known(robot) | Known::Stale { value: robot, .. }) = &snapshot.robot else {
         return false;
     };
-    robot.pose.is_none() && !snapshot.map.closed
+    robot.needs_place
 }
 
 fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
@@ -235,7 +241,7 @@ fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
     let text = if snapshot.run == RunState::Stopped {
         standing.run = RunState::Paused;
         if is_nowhere(snapshot) {
-            format!("stop cleared; {}", say_where(model))
+            format!("stop cleared; {}", say_where(model, snapshot))
         } else {
             format!("stop cleared; {} runs on", model.keymap.way(Action::RunPause))
         }
@@ -267,7 +273,7 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         _ => Intent::Pause,
     };
     if is_nowhere(snapshot) && intent != Intent::Pause {
-        return refuse_now(model, snapshot, format!("{} first", say_where(model)));
+        return refuse_now(model, snapshot, say_where(model, snapshot));
     }
     // A robot that is not there is not told to drive; that it is to pause can do no harm.
     if matches!(snapshot.robot, Known::Stale { .. }) && intent != Intent::Pause {

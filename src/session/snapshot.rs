@@ -74,6 +74,8 @@ pub struct RobotView {
     pub bumper: bool,
     /// Whether a motion is under way.
     pub moving: bool,
+    /// Whether it does nothing before somebody says where it is.
+    pub needs_place: bool,
 }
 
 /// A command that is no longer in hand.

@@ -56,6 +56,7 @@ fn a_robot_lost_before_there_is_a_boundary_waits_for_its_place_and_says_so() {
         switches: SwitchSet::default(),
         bumper: false,
         moving: false,
+        needs_place: true,
     });
     let said = |model: &Model| model.hint.as_ref().expect("a remark").text.clone();
     assert_eq!(perform(&mut model, &snapshot, Action::ClearStop).len(), 1);
@@ -67,8 +68,19 @@ fn a_robot_lost_before_there_is_a_boundary_waits_for_its_place_and_says_so() {
         assert!(said(&model).contains(":placed=X,Y,DEG"), "{}", said(&model));
     }
     // With a boundary it looks for its place by itself.
+    let Known::Known(robot) = &mut snapshot.robot else { panic!("it is heard") };
+    robot.needs_place = false;
     snapshot.map.closed = true;
     assert_eq!(perform(&mut model, &snapshot, Action::RunPause).len(), 1);
+    // Unless it did not find it: then it waits for a word again.
+    let Known::Known(robot) = &mut snapshot.robot else { panic!("it is heard") };
+    robot.needs_place = true;
+    for action in [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase] {
+        model.hint = None;
+        assert!(perform(&mut model, &snapshot, action).is_empty(), "{action:?}");
+        let said = said(&model);
+        assert!(said.contains(":placed=X,Y,DEG") && said.contains(":placed alone"), "{said}");
+    }
 }
 
 #[test]

@@ -207,10 +207,10 @@ fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
         EventKind::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),
         EventKind::LapClosed { length, extrinsic: false } => {
-            write!(f, "lap closed after {length:.2} m: inside, this is the boundary")
+            write!(f, "lap closed after {length:.2} m, gone round from inside, as a boundary is")
         }
         EventKind::LapClosed { length, extrinsic: true } => {
-            write!(f, "lap closed after {length:.2} m: outside, this is an object")
+            write!(f, "lap closed after {length:.2} m, gone round from outside, as an object is")
         }
         EventKind::LapFailed { why } => write!(f, "lap given up: {why}"),
         EventKind::Pocket { length } => write!(
@@ -275,8 +275,9 @@ fn trouble(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
              elsewhere, and say where, placed=X,Y,DEG; the lap begins anew",
         ),
         EventKind::PlaceUnclear { places: 0 | 1 } => f.write_str(
-            "the map shows nothing like what is here: put the robot near a mapped wall and say so, \
-             placed=X,Y,DEG",
+            "the map shows nothing like what is here where it was looked for: say where the robot is, \
+             placed=X,Y,DEG, or placed alone to look everywhere; if it is not near a mapped wall, put it there \
+             first",
         ),
         EventKind::PlaceUnclear { places } => write!(
             f,
@@ -502,6 +503,32 @@ mod tests {
         assert_eq!(told, "plan: 46 lines, 215.9 m, hidden disc 240 mm");
         assert_eq!(severity, Severity::Notice);
         assert_eq!(plan(0, 0.6, false).0, "plan: no line needed, hidden disc 600 mm already");
+    }
+
+    /// The same laps are driven to find a place again: then they are no news of the room.
+    #[test]
+    fn a_lap_says_what_was_gone_round_and_not_what_is_made_of_it() {
+        let told = |extrinsic| EventKind::LapClosed { length: 54.76, extrinsic }.to_string();
+        assert_eq!(
+            told(false),
+            "lap closed after 54.76 m, gone round from inside, as a boundary is"
+        );
+        assert_eq!(
+            told(true),
+            "lap closed after 54.76 m, gone round from outside, as an object is"
+        );
+    }
+
+    #[test]
+    fn a_place_that_is_not_found_is_asked_for_with_all_there_is_to_try() {
+        for places in [0, 1] {
+            let told = EventKind::PlaceUnclear { places }.to_string();
+            for words in
+                ["where it was looked for", "placed=X,Y,DEG", "placed alone", "near a mapped wall"]
+            {
+                assert!(told.contains(words), "{told}");
+            }
+        }
     }
 
     #[test]

@@ -97,6 +97,12 @@ pub enum CommandError {
     /// No wall, or no length.
     #[error("a wall's taped length is WALL=M, such as `tape=W3=4.02`; the list shows the walls")]
     TapeWall,
+    /// A wall's length that is none.
+    #[error("`{text}` is no number: a wall's taped length is WALL=M, such as `tape=W3=4.02`")]
+    TapeLength {
+        /// What was typed.
+        text: String,
+    },
     /// No pose.
     #[error("placed takes nothing or a pose: {0}")]
     Placed(#[from] PoseError),
@@ -109,6 +115,12 @@ pub enum CommandError {
     /// No instant.
     #[error("at needs seconds of the robot's time, such as `at=90`")]
     At,
+    /// A plan cannot be chosen any more.
+    #[error(
+        "`plan` shows and hides the lines; which plan is made is chosen at the start: \
+         --plan paper, lean or lanes"
+    )]
+    Plan,
     /// An argument where none belongs.
     #[error("`{name}` stands alone")]
     Alone {
@@ -143,6 +155,7 @@ impl Command {
             "export" => Ok(Self::Export(argument.to_owned())),
             _ => match Action::named(word) {
                 Some(action) if argument.is_empty() => Ok(Self::Action(action)),
+                Some(Action::TogglePlan) => Err(CommandError::Plan),
                 Some(_) => Err(CommandError::Alone { name: word.to_owned() }),
                 None => Err(CommandError::Unknown {
                     word: word.to_owned(),
@@ -186,10 +199,12 @@ fn parse_alpha(text: &str) -> Result<f64, CommandError> {
 fn parse_wall(text: &str) -> Result<Command, CommandError> {
     let (wall, length) = text.split_once(['=', ' ']).ok_or(CommandError::TapeWall)?;
     let wall: Option<usize> = wall.trim()[1..].parse().ok();
-    let length = length.trim_start_matches(['=', ' ']).trim_end_matches('m').trim().parse().ok();
-    match (wall.and_then(|wall| wall.checked_sub(1)), length) {
-        (Some(wall), Some(length)) => Ok(Command::TapeWall { wall, length }),
-        _ => Err(CommandError::TapeWall),
+    let wall = wall.and_then(|wall| wall.checked_sub(1)).ok_or(CommandError::TapeWall)?;
+    let length = length.trim_start_matches(['=', ' ']).trim_end_matches('m').trim();
+    match length.parse::<f64>() {
+        Ok(metres) if metres.is_finite() => Ok(Command::TapeWall { wall, length: metres }),
+        _ if length.is_empty() => Err(CommandError::TapeWall),
+        _ => Err(CommandError::TapeLength { text: length.to_owned() }),
     }
 }
 
@@ -243,6 +258,17 @@ mod tests {
             ("tape W=3", "a wall's taped length is WALL=M"),
             ("tape W0=3", "a wall's taped length is WALL=M"),
             ("tape W3", "a wall's taped length is WALL=M"),
+            ("tape W3=nan", "`nan` is no number: a wall's taped length is WALL=M"),
+            ("tape W3=inf", "`inf` is no number"),
+            ("tape W3=four", "`four` is no number"),
+            (
+                "plan=paper",
+                "`plan` shows and hides the lines; which plan is made is chosen at the start",
+            ),
+            (
+                "plan=lean",
+                "`plan` shows and hides the lines; which plan is made is chosen at the start: --plan",
+            ),
             ("tape W\u{fc}=3", "a wall's taped length is WALL=M"),
             ("placed 3", "placed takes nothing or a pose: a pose is X,Y,DEG"),
             ("placed 1,2,nan", "placed takes nothing or a pose: `nan` is not a finite number"),

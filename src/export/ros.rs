@@ -95,10 +95,21 @@ fn yaml(image: &str, grid: &Grid) -> String {
     // The origin is the lower left corner of the lower left cell.
     let Point { coords, .. } = grid.origin;
     let (x, y) = (coords.x - CELL / 2.0, coords.y - CELL / 2.0);
+    let image = scalar(image);
     format!(
         "image: {image}\nresolution: {CELL}\norigin: [{x:.4}, {y:.4}, 0.0]\nnegate: 0\n\
          occupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
+}
+
+/// A name as YAML takes it: as it is where nothing in it means something there, else in quotes, in which YAML
+/// reads what JSON does.
+fn scalar(name: &str) -> String {
+    let plain = |letter: char| letter.is_alphanumeric() || matches!(letter, '.' | '_' | '-');
+    if name.starts_with(char::is_alphanumeric) && name.chars().all(plain) {
+        return name.to_owned();
+    }
+    serde_json::Value::from(name).to_string()
 }
 
 fn pgm(grid: &Grid, cells: &[u8]) -> Vec<u8> {
@@ -144,6 +155,23 @@ mod tests {
         // The upper right corner is rounded off.
         assert_eq!(grey(&map, 3.95, 2.95), UNKNOWN);
         assert_eq!(grey(&map, -0.1, 1.5), UNKNOWN);
+    }
+
+    #[test]
+    fn a_picture_of_any_name_is_found_again() {
+        let file = MapFile::of(&sample::room().record());
+        for (name, written) in [
+            ("room-2.pgm", "room-2.pgm"),
+            ("Küche.pgm", "Küche.pgm"),
+            ("a b: #1.pgm", "\"a b: #1.pgm\""),
+            ("a\"b\\c.pgm", "\"a\\\"b\\\\c.pgm\""),
+            ("- a.pgm", "\"- a.pgm\""),
+            ("-a.pgm", "\"-a.pgm\""),
+            ("[a].pgm", "\"[a].pgm\""),
+        ] {
+            let yaml = write(&file, name).expect("closed").yaml;
+            assert!(yaml.starts_with(&format!("image: {written}\n")), "{yaml}");
+        }
     }
 
     #[test]

@@ -347,6 +347,20 @@ mod tests {
     }
 
     #[test]
+    fn a_world_is_called_what_a_map_can_be_called() {
+        let long = "a".repeat(201);
+        for name in ["Küche", "a room", "", "  ", "a\u{1b}[2J", "a\tb", "\u{7f}", long.as_str()] {
+            let quoted = toml::Value::from(name);
+            let text = format!(
+                "name = {quoted}\nstart = {{ x = 1, y = 1 }}\n[boundary]\n\
+                 vertices = [[0,0],[4,0],[4,4],[0,4]]\n"
+            );
+            let world = crate::simulator::World::from_toml(&text, "room.toml", 0.1);
+            assert_eq!(world.is_ok(), title(name).is_ok(), "{name:?}: {world:?}");
+        }
+    }
+
+    #[test]
     fn a_start_has_metres_and_degrees() {
         let pose = start("0.5, -1, 90").expect("a pose");
         assert!((pose.heading - angle::FRAC_PI_2).abs() < 1e-12);

@@ -82,8 +82,15 @@ pub(super) fn circle(center: [f64; 2], radius: f64, place: &str) -> Result<Ring,
 /// Letters of the longest name: it has to fit on a screen and in a picture.
 const LONGEST_NAME: usize = 200;
 
-/// A name, checked.
+/// A name, checked: what a map can be called, a world and what stands in it can.
 pub(super) fn name<'n>(name: &'n str, place: &str) -> Result<&'n str, WorldError> {
+    let name = name.trim();
+    if name.is_empty() {
+        return Err(WorldError::new(place, "has no letters; leave it out to have no name"));
+    }
+    if name.chars().any(char::is_control) {
+        return Err(WorldError::new(place, "has control characters in it"));
+    }
     let letters = name.chars().count();
     if letters > LONGEST_NAME {
         let what = format!("has {letters} letters; {LONGEST_NAME} are the most");

@@ -5,9 +5,10 @@ use super::model::Model;
 use super::theme::Theme;
 use super::view;
 use crate::session::Snapshot;
-use ratatui::buffer::Buffer;
+use ratatui::buffer::{Buffer, Cell};
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier};
+use ratatui::text::Span;
 use std::fmt::Write;
 
 /// How a frame is written.
@@ -39,9 +40,13 @@ pub fn render(snapshot: &Snapshot, cols: u16, rows: u16, format: Format, keymap:
 pub fn planes(model: &Model, snapshot: &Snapshot) -> (String, String) {
     let symbols = text(&draw(model, snapshot, &Theme::colour()));
     let probe = draw(model, snapshot, &Theme::probe());
-    let letters = rows_of(&probe, |cell| {
-        Theme::probed(cell.fg).map_or(' ', super::theme::Role::letter).to_string()
-    });
+    let letter = |cell: &Cell| Theme::probed(cell.fg).map_or(' ', super::theme::Role::letter);
+    let mut letters = String::new();
+    for y in 0..probe.area.height {
+        let line: String = (0..probe.area.width).map(|x| letter(&probe[(x, y)])).collect();
+        letters.push_str(line.trim_end());
+        letters.push('\n');
+    }
     (symbols, letters)
 }
 
@@ -52,25 +57,30 @@ fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme) -> Buffer {
     buf
 }
 
-fn rows_of(buf: &Buffer, mut cell: impl FnMut(&ratatui::buffer::Cell) -> String) -> String {
+fn text(buf: &Buffer) -> String {
     let mut out = String::new();
     for y in 0..buf.area.height {
-        let line: String = (0..buf.area.width).map(|x| cell(&buf[(x, y)])).collect();
+        let line: String = seen(buf, y).map(Cell::symbol).collect();
         out.push_str(line.trim_end());
         out.push('\n');
     }
     out
 }
 
-fn text(buf: &Buffer) -> String {
-    rows_of(buf, |cell| cell.symbol().to_owned())
+/// The cells of row `y` from the left, without those that a wide letter before them lies over.
+fn seen(buf: &Buffer, y: u16) -> impl Iterator<Item = &Cell> {
+    let mut x = 0;
+    std::iter::from_fn(move || {
+        let cell = (x < buf.area.width).then(|| &buf[(x, y)])?;
+        x += u16::try_from(Span::raw(cell.symbol()).width()).unwrap_or(1).max(1);
+        Some(cell)
+    })
 }
 
 fn ansi(buf: &Buffer) -> String {
     let mut out = String::new();
     for y in 0..buf.area.height {
-        for x in 0..buf.area.width {
-            let cell = &buf[(x, y)];
+        for cell in seen(buf, y) {
             let mut codes = String::from("0");
             for (modifier, code) in [
                 (Modifier::BOLD, ";1"),
@@ -184,6 +194,34 @@ fn braille(out: &mut String, dots: u32, at: (f64, f64), size: (f64, f64), ink: &
                 let _ =
                     writeln!(out, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"1.4\" fill=\"{ink}\"/>");
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::mapping::settings::Settings;
+
+    /// A letter that takes two columns is followed by none of its own.
+    #[test]
+    fn rows_are_as_long_with_wide_letters_as_without() {
+        let columns = |source: &str, format| {
+            let snapshot = Snapshot::waiting(Settings::new(Pose::new(0.0, 0.0, 0.0)), source);
+            let frame = render(&snapshot, 80, 24, format, Keymap::default());
+            // What follows an escape follows its `m`.
+            let plain = |part: &str| part.split_once('m').map_or("", |(_, text)| text).to_owned();
+            let row = |row: &str| match row.split_once('\u{1b}') {
+                Some((_, rest)) => rest.split('\u{1b}').map(plain).collect(),
+                None => row.to_owned(),
+            };
+            let rows: Vec<String> = frame.lines().map(row).collect();
+            let told = |row: &&String| row.contains('四') || row.contains("four");
+            Span::raw(rows.iter().find(told).expect("the source")).width()
+        };
+        for format in [Format::Text, Format::Ansi] {
+            assert_eq!(columns("四四四四", format), columns("four four", format), "{format:?}");
         }
     }
 }

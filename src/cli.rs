@@ -71,7 +71,8 @@ pub struct RobotChoice {
         value_name = "N",
         requires = "port",
         conflicts_with = "world",
-        value_parser = values::baud
+        value_parser = values::baud,
+        allow_negative_numbers = true
     )]
     pub baud: Option<u32>,
 }
@@ -117,7 +118,7 @@ pub struct RobotArgs {
     #[arg(long, value_name = "DEVICE")]
     pub port: Option<String>,
     /// Times as fast as life
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub speed: Option<f64>,
     /// What the line does to the bytes, e.g. drop=0.05,flip=0.01,double=0.01,swap=0.01,delay=0.2
     #[arg(long, value_name = "LIST")]
@@ -167,10 +168,21 @@ pub struct SnapshotArgs {
     )]
     pub replay: Option<PathBuf>,
     /// With --replay, and needed there: instant of the recorded run, in simulated seconds
-    #[arg(long, value_name = "T", value_parser = values::seconds, requires = "replay")]
+    #[arg(
+        long,
+        value_name = "T",
+        value_parser = values::seconds,
+        requires = "replay",
+        allow_negative_numbers = true
+    )]
     pub at: Option<f64>,
     /// Size of the frame in columns and rows
-    #[arg(long, value_name = "COLSxROWS", value_parser = values::size)]
+    #[arg(
+        long,
+        value_name = "COLSxROWS",
+        value_parser = values::size,
+        allow_hyphen_values = true
+    )]
     pub size: FrameSize,
     /// How the frame is written
     #[arg(long, value_enum, default_value_t = FrameFormat::Text)]

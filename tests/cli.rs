@@ -38,6 +38,24 @@ fn bad_values_are_refused_with_the_flag_and_what_it_takes() {
         (&["run", "--start", "1,2,nan"], &["--start", "not a finite number"]),
         (&["run", "--until", "end"], &["--until", "boundary"]),
         (&["snapshot", "--world", "a", "--until", "plan", "--size", "80"], &["--size", "80x24"]),
+        // A minus is no flag where a number belongs.
+        (
+            &["snapshot", "--replay", "a", "--at", "-5", "--size", "80x24"],
+            &["--at", "a time is not negative"],
+        ),
+        (
+            &["snapshot", "--world", "a", "--until", "plan", "--size", "-3x4"],
+            &["--size", "from 60x16"],
+        ),
+        (
+            &["robot", "--world", "sims/rectangle.toml", "--pty", "--speed", "-3"],
+            &["--speed -3", "times as fast"],
+        ),
+        (&["run", "--seed", "99999999999999999999"], &["--seed", "too large"]),
+        (
+            &["run", "--port", "127.0.0.1:3333", "--out", "target/nowhere"],
+            &["no such port", "tcp://127.0.0.1:3333"],
+        ),
         (&["snapshot", "--replay", "a", "--size", "80x24"], &["--at"]),
         (&["snapshot", "--size", "80x24"], &["--world"]),
         (
@@ -124,6 +142,8 @@ fn a_settings_file_is_told_by_file_line_and_key() {
         ("plan = \"leen\"\n", &["run.toml:1:", "paper, lean, lanes"]),
         ("start = [1, 2]\n", &["run.toml:1:", "X,Y,DEG"]),
         ("alpha = = 1\n", &["run.toml:1:"]),
+        ("placed = [1, 1, 0]\n", &["run.toml:1:", "`placed`", "only a flag: --placed"]),
+        ("\nbaud = 9600\n", &["run.toml:2:", "`baud`", "only a flag: --baud"]),
     ];
     for (text, words) in cases {
         fs::write(&file, text).expect("a settings file");

@@ -25,6 +25,15 @@ const KEYS: [&str; 17] = [
     "name", "out", "resume", "world", "keymap", "until", "port",
 ];
 
+/// What belongs to one start of the program, and to no file that is used again.
+const FLAGS_ONLY: [&str; 3] = ["placed", "baud", "config"];
+
+/// Whether a config file has such a key.
+#[must_use]
+pub fn has(key: &str) -> bool {
+    KEYS.contains(&key) || FLAGS_ONLY.contains(&key)
+}
+
 /// Reads the file and fills in what `flags` leaves open.
 ///
 /// # Errors
@@ -40,6 +49,9 @@ pub fn read(path: &Path, flags: &mut Common) -> Result<Places, ArgumentError> {
         return Err(file.bad(entry, why));
     }
     for entry in entries {
+        if FLAGS_ONLY.contains(&entry.key.as_str()) {
+            return Err(file.bad(&entry, &format!("this is only a flag: --{}", entry.key)));
+        }
         if !KEYS.contains(&entry.key.as_str()) {
             return Err(file.unknown(&entry, &KEYS));
         }

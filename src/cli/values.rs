@@ -1,6 +1,7 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
 use super::{ArgumentError, chassis, config};
+use crate::console::layout::{MIN_COLS, MIN_ROWS};
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
 use crate::mapping::map::Phase;
@@ -11,6 +12,7 @@ use crate::simulator::NoiseProfile;
 use crate::wire::told;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::num::IntErrorKind;
 use std::path::PathBuf;
 
 /// What every run can be told. A value that is not given may still come from `--config`.
@@ -231,7 +233,8 @@ pub(super) fn tape(text: &str) -> Result<Tape, String> {
 
 /// A frame size such as 80x24.
 pub(super) fn size(text: &str) -> Result<FrameSize, String> {
-    let wrong = || "a size is COLSxROWS, such as 80x24, each from 1 to 1000".to_owned();
+    let wrong =
+        || format!("a size is COLSxROWS, such as 80x24, from {MIN_COLS}x{MIN_ROWS} to 1000x1000");
     let (columns, rows) = text.split_once('x').ok_or_else(wrong)?;
     let cells = |text: &str| match text.parse::<u16>() {
         Ok(count @ 1..=1000) => Ok(count),
@@ -311,7 +314,13 @@ pub(super) fn named_phase(text: &str) -> Result<Phase, String> {
 
 /// A seed.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_error| format!("`{text}` is not a whole number from 0 up"))
+    text.parse().map_err(|error: std::num::ParseIntError| match error.kind() {
+        // The first digit too many is all that was looked at.
+        IntErrorKind::PosOverflow if text.bytes().all(|byte| byte.is_ascii_digit()) => {
+            format!("`{text}` is too large: a seed is {} at most", u64::MAX)
+        }
+        _ => format!("`{text}` is not a whole number from 0 up"),
+    })
 }
 
 #[cfg(test)]
@@ -381,6 +390,17 @@ mod tests {
         }
         for bad in ["1,1:1,1=5", "0,0:1e300,0=5", "0,0:5,0=1e300"] {
             assert!(tape(bad).is_err(), "tape of `{bad}` was taken");
+        }
+    }
+
+    #[test]
+    fn a_seed_that_is_too_large_is_told_so() {
+        assert_eq!(seed("18446744073709551615"), Ok(u64::MAX));
+        let told = seed("99999999999999999999").expect_err("too large");
+        assert!(told.contains("too large") && told.contains("18446744073709551615"), "{told}");
+        for bad in ["-1", "1.5", "", "x", "99999999999999999999x"] {
+            let told = seed(bad).expect_err(bad);
+            assert!(told.contains("whole number"), "{told}");
         }
     }
 

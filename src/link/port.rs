@@ -89,7 +89,7 @@ impl fmt::Display for Address {
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
     /// Nothing of that name.
-    #[error("{port}: there is no such port; `periplus ports` lists those there are")]
+    #[error("{port}: there is no such port; {}", instead_of(.port))]
     Missing {
         /// The port.
         port: String,
@@ -128,6 +128,19 @@ pub enum PortError {
         /// What the system said.
         reason: String,
     },
+}
+
+/// What to try in place of a port that is not there.
+fn instead_of(port: &str) -> String {
+    let ports = "`periplus ports` lists those there are";
+    let in_the_net = port.rsplit_once(':').is_some_and(|(host, number)| {
+        !host.is_empty() && !host.contains('/') && number.parse::<u16>().is_ok()
+    });
+    if in_the_net {
+        format!("{ports}, and a robot in the net is tcp://{port}")
+    } else {
+        ports.to_owned()
+    }
 }
 
 /// Anything that bytes go through both ways.

@@ -135,6 +135,23 @@ fn the_map_is_not_lost_by_going_further_and_further_away() {
 }
 
 #[test]
+fn however_near_the_title_says_how_much_is_shown() {
+    let (mut model, snapshot) = waiting();
+    let title = |model: &Model| {
+        let (symbols, _) = crate::console::frame::planes(model, &snapshot);
+        let row = symbols.lines().find(|row| row.contains(" map ")).expect("a title").to_owned();
+        row.split("· ").nth(1).expect("a size").trim_end_matches(['─', ' ']).to_owned()
+    };
+    let whole = title(&model);
+    assert!(whole.contains("m shown") && !whole.contains("cm"), "{whole}");
+    for _ in 0..100 {
+        perform(&mut model, &snapshot, Action::ZoomIn);
+    }
+    let near = title(&model);
+    assert_eq!(near, "5.0 × 2.8 cm shown");
+}
+
+#[test]
 fn what_has_no_key_is_called_by_its_name() {
     let bare = Keymap::parse("[keys]\nstop = [\"space\"]\nquit = [\"q\"]\n", "bare.toml");
     let bare = bare.expect("a keymap");

@@ -234,7 +234,13 @@ pub fn draw_title(
     regions: &Regions,
     buf: &mut Buffer,
 ) {
-    let shown = format!("{:.1} × {:.1} m shown", view.x_range(), view.y_range());
+    let (width, height) = (view.x_range(), view.y_range());
+    // Near by, tenths of a metre say nothing.
+    let shown = if width.min(height) < 0.5 {
+        format!("{:.1} × {:.1} cm shown", width * 100.0, height * 100.0)
+    } else {
+        format!("{width:.1} × {height:.1} m shown")
+    };
     let room = snapshot.map.shape.as_ref().and_then(|shape| shape.outline.bounds());
     let what = match (model.camera, room) {
         (Camera::Fit, Some((low, high))) => {

@@ -48,7 +48,7 @@ pub enum Command {
     Snapshot(SnapshotArgs),
     /// Write one result of a run, over or under way, in a given format
     Export(ExportArgs),
-    /// Say what is wrong with world files and keymaps, and where
+    /// Say what is wrong with worlds, keymaps, chassis and config files, and where
     Check(CheckArgs),
     /// List serial ports
     Ports,
@@ -241,7 +241,7 @@ pub enum ExportFormat {
 /// Arguments of `check`.
 #[derive(Debug, Clone, Args)]
 pub struct CheckArgs {
-    /// Worlds and keymaps
+    /// Worlds, keymaps, chassis and config files
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 }

@@ -212,6 +212,37 @@ fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     assert!(told.contains("a folder; name the files in it"), "{told}");
 }
 
+#[test]
+fn check_knows_each_kind_of_file_and_begins_with_its_name() {
+    let dir = place("kinds");
+    let told = |name: &str, bytes: &[u8]| {
+        let file = dir.join(name);
+        fs::write(&file, bytes).expect("a file");
+        let output = periplus(&["check", file.to_str().expect("a plain path")]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(told.starts_with(&format!("{}:", file.display())), "{told}");
+        assert_eq!(told.lines().count(), 1, "{told}");
+        (output.status.code(), told)
+    };
+    for (text, words) in [
+        (&b""[..], "the file is empty"),
+        (b"  \n", "the file is empty"),
+        (b"\xff\x00\xfe", "cannot be read: "),
+        (b"radius = 9\n", ":1: `radius`: 9 is not between"),
+        (b"radius = 0.1\nspead = 1\n", ":2: unknown key `spead`, did you mean `speed`?"),
+        (b"seed = 3\nalpha = 9\n", ":2: `alpha`: "),
+        (b"start = { x = 1, y = 1 }\n", "`boundary` is missing"),
+        (b"colour = 1\n", "a chassis"),
+    ] {
+        let (status, told) = told("a.toml", text);
+        assert!(status == Some(2) && told.contains(words), "{told}");
+    }
+    let (status, chassis) = told("b.toml", b"radius = 0.12\nsensors = 4\n");
+    assert!(status == Some(0) && chassis.contains("ok, chassis"), "{chassis}");
+    let (status, config) = told("c.toml", b"seed = 3\nalpha = 0.3\nstart = [1, 1, 90]\n");
+    assert!(status == Some(0) && config.contains("ok, config"), "{config}");
+}
+
 /// One letter that is lost in the middle does not lose the run.
 #[test]
 fn what_is_whole_of_a_damaged_record_is_shown_and_handed_over() {

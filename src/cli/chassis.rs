@@ -20,6 +20,12 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Whether a chassis file has such a key.
+#[must_use]
+pub fn has(key: &str) -> bool {
+    key == "sensors" || MEASURES.iter().any(|measure| measure.name == key)
+}
+
 /// Reads a chassis.
 ///
 /// # Errors

@@ -136,7 +136,8 @@ impl Entry<'_> {
 }
 
 /// What a value is, for complaints.
-pub(super) fn kind(value: &DeValue<'_>) -> &'static str {
+#[must_use]
+pub fn kind(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "string",
         DeValue::Integer(_) | DeValue::Float(_) => "number",

@@ -1,8 +1,8 @@
 //! `periplus check`: one line for each file, `ok` or what is wrong and where.
 
 use super::{CommandError, glue, output};
-use crate::cli::CheckArgs;
-use crate::cli::settings_file::SettingsFile;
+use crate::cli::settings_file::{Entry, SettingsFile, kind};
+use crate::cli::{ArgumentError, CheckArgs, Common, chassis, config};
 use crate::robot::Chassis;
 use crate::simulator::World;
 use std::fmt::Write;
@@ -40,25 +40,48 @@ fn verdict(path: &Path) -> Result<String, String> {
         "geojson" | "json" | "yaml" | "yml" => world(path),
         "toml" => toml(path),
         _ => Err(format!(
-            "{}: expected a world (.toml, .geojson) or a keymap (.toml)",
+            "{}: expected a world (.toml, .geojson), or a keymap, chassis or config (.toml)",
             path.display()
         )),
     }
 }
 
 fn toml(path: &Path) -> Result<String, String> {
-    let file = SettingsFile::open(path, "the file").map_err(|error| error.to_string())?;
+    let file = SettingsFile::open(path, "the file").map_err(|error| match error {
+        // Every line begins with the name of its file.
+        ArgumentError::Unreadable { path, reason, .. } => {
+            format!("{}: cannot be read: {reason}", path.display())
+        }
+        other => other.to_string(),
+    })?;
     let table = file.table().map_err(|error| error.to_string())?;
     let keys = file.entries(table.get_ref());
     let has = |key: &str| keys.iter().any(|entry| entry.key == key);
-    if has("boundary") {
+    // A config file has a start as well, as a list.
+    let starts = |entry: &Entry<'_>| entry.key == "start" && kind(entry.value) == "table";
+    if has("boundary") || has("objects") || keys.iter().any(starts) {
         return world(path);
     }
     if has("keys") {
         return glue::check_keymap(path);
     }
+    if keys.iter().any(|entry| chassis::has(&entry.key)) {
+        let body = chassis::read(path).map_err(|error| error.to_string())?;
+        let switches = crate::wording::count(body.sensors.len(), "switch", "switches");
+        return Ok(format!("chassis of {:.2} m radius, {switches}", body.radius));
+    }
+    // Half of all files have a name.
+    if keys.iter().any(|entry| entry.key != "name" && config::has(&entry.key)) {
+        let read = config::read(path, &mut Common::default());
+        let settings = crate::wording::count(keys.len(), "setting", "settings");
+        return read.map(|_| format!("config, {settings}")).map_err(|error| error.to_string());
+    }
+    if keys.is_empty() {
+        return Err(format!("{}: the file is empty", path.display()));
+    }
     Err(format!(
-        "{}: neither a world, which has [boundary], nor a keymap, which has [keys]",
+        "{}: neither a world, which has [boundary], nor a keymap, which has [keys], nor a chassis (radius, \
+         range, sensors ...), nor a config (alpha, seed, world ...)",
         path.display()
     ))
 }

@@ -52,7 +52,7 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
                 }
                 let mut rings = polygon(geometry, &here)?.into_iter();
                 boundary = rings.next().map(|ring| (ring, here));
-                objects.extend(rings.map(|ring| (format!("hole {index}"), ring)));
+                objects.extend(rings.map(|ring| (format!("hole in feature {index}"), ring)));
             }
             "object" => {
                 let ring = object(feature, geometry, &here)?;
@@ -90,7 +90,7 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
 fn name(feature: &Feature, index: usize, place: &str) -> Result<String, WorldError> {
     match feature.properties.get("id").and_then(Value::as_str) {
         Some(id) => outline::name(id, &format!("{place}: id")).map(str::to_owned),
-        None => Ok(format!("object {index}")),
+        None => Ok(format!("feature {index}")),
     }
 }
 

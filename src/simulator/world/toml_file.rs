@@ -75,8 +75,13 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let mut objects = Vec::with_capacity(file.objects.len());
     for (index, object) in file.objects.iter().enumerate() {
         let given = object.get_ref().name.as_ref().map(named).transpose()?;
-        let name = given.unwrap_or_else(|| format!("object {index}"));
-        let here = at(object.span().start, &format!("objects[{index}] \"{name}\""));
+        let listed = format!("objects[{index}]");
+        let told = match &given {
+            Some(name) => format!("{listed} \"{name}\""),
+            None => format!("{listed}, counted from 0,"),
+        };
+        let here = at(object.span().start, &told);
+        let name = given.unwrap_or(listed);
         let ring = ring(object.get_ref(), &here)?;
         objects.push(WorldObject { name, ring });
     }

@@ -243,6 +243,30 @@ fn check_knows_each_kind_of_file_and_begins_with_its_name() {
     assert!(status == Some(0) && config.contains("ok, config"), "{config}");
 }
 
+#[test]
+fn a_room_in_which_the_robot_cannot_move_is_told() {
+    let dir = place("tight");
+    let told = |size: f64, at: f64| {
+        let file = dir.join("room.toml");
+        let text = format!(
+            "start = {{ x = {at}, y = {at} }}\n[boundary]\n\
+             vertices = [[0, 0], [{size}, 0], [{size}, {size}], [0, {size}]]\n"
+        );
+        fs::write(&file, text).expect("a file");
+        let output = periplus(&["check", file.to_str().expect("a plain path")]);
+        assert_eq!(output.status.code(), Some(0), "it is a world all the same");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    for (size, at) in [(0.2, 0.1), (0.26, 0.13), (0.34, 0.11)] {
+        let told = told(size, at);
+        assert!(told.contains("hardly room to move"), "{size}: {told}");
+    }
+    for (size, at) in [(0.5, 0.25), (4.0, 0.1), (900.0, 450.0)] {
+        let told = told(size, at);
+        assert!(!told.contains("hardly"), "{size}: {told}");
+    }
+}
+
 /// One letter that is lost in the middle does not lose the run.
 #[test]
 fn what_is_whole_of_a_damaged_record_is_shown_and_handed_over() {

@@ -3,8 +3,10 @@
 use super::{CommandError, glue, output};
 use crate::cli::settings_file::{Entry, SettingsFile, kind};
 use crate::cli::{ArgumentError, CheckArgs, Common, chassis, config};
+use crate::geometry::{Point, Vector};
 use crate::robot::Chassis;
 use crate::simulator::World;
+use std::collections::{HashSet, VecDeque};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -88,14 +90,19 @@ fn toml(path: &Path) -> Result<String, String> {
 
 fn world(path: &Path) -> Result<String, String> {
     let radius = Chassis::default().radius;
-    World::load(path, radius).map(|world| describe(&world)).map_err(|error| error.to_string())
+    World::load(path, radius)
+        .map(|world| describe(&world, radius))
+        .map_err(|error| error.to_string())
 }
 
 /// How large a world is, what stands in it, and what nobody will ever meet there.
-fn describe(world: &World) -> String {
+fn describe(world: &World, radius: f64) -> String {
     let (low, high) = world.boundary.bounds().unwrap_or_default();
     let objects = crate::wording::count(world.objects.len(), "object", "objects");
     let mut text = format!("world of {:.2} × {:.2} m, {objects}", high.x - low.x, high.y - low.y);
+    if !has_room(world, radius) {
+        let _ = write!(text, "; at its start a robot of {radius} m radius has hardly room to move");
+    }
     for object in &world.objects {
         if !object.ring.to_points(0.01).iter().any(|point| world.boundary.contains(*point)) {
             let _ =
@@ -103,4 +110,40 @@ fn describe(world: &World) -> String {
         }
     }
     output::harmless(&text)
+}
+
+/// A robot that gets no farther than this from where it starts does not move, metres.
+const NEAR: f64 = 0.05;
+/// Steps of the search for floor, in each radius of the body.
+const STEPS: f64 = 10.0;
+
+/// Whether the body's centre gets anywhere from the start, and to no less floor than the body covers. Floor is
+/// looked for step by step, and no farther than that, however large the world.
+fn has_room(world: &World, radius: f64) -> bool {
+    let step = radius / STEPS;
+    let enough = std::f64::consts::PI * STEPS * STEPS;
+    let start = world.start.position;
+    let at = |(x, y): (i32, i32)| start + Vector::new(f64::from(x), f64::from(y)) * step;
+    let is_free = |place: Point| {
+        let rings = || world.objects.iter().map(|object| &object.ring);
+        world.boundary.contains(place)
+            && !rings().any(|ring| ring.contains(place))
+            && rings().chain([&world.boundary]).all(|ring| ring.distance(place) >= radius)
+    };
+    let mut seen = HashSet::from([(0, 0)]);
+    let mut todo = VecDeque::from([(0, 0)]);
+    let mut farthest: f64 = 0.0;
+    while let Some((x, y)) = todo.pop_front() {
+        farthest = farthest.max((at((x, y)) - start).norm());
+        if seen.len() as f64 >= enough && farthest >= NEAR {
+            return true;
+        }
+        for next in [(x + 1, y), (x, y + 1), (x - 1, y), (x, y - 1)] {
+            if !seen.contains(&next) && is_free(at(next)) {
+                seen.insert(next);
+                todo.push_back(next);
+            }
+        }
+    }
+    false
 }

@@ -460,6 +460,8 @@ fn a_chassis_is_read_strictly() {
         ("radius = 0.1\nrang = 0.05\n", &["robot.toml:2:", "`rang`", "did you mean `range`"]),
         ("radius = -1\n", &["robot.toml:1:", "`radius`", "between"]),
         ("radius = nan\n", &["robot.toml:1:", "not a finite number"]),
+        ("turn_rate = 1.5\n", &["robot.toml:1:", "1.5 is not between 10 and 720 degrees a second"]),
+        ("speed = 20\n", &["robot.toml:1:", "20 is not between 0.01 and 2 metres a second"]),
         ("sensors = 3\n", &["robot.toml:1:", "from 4 to 16"]),
         ("[[sensors]]\nname = \"front\"\nangel = 0\n", &["robot.toml:3:", "`angel`", "`angle`"]),
         ("speed = \"fast\"\n", &["robot.toml:1:", "`speed`", "a string"]),

@@ -1,5 +1,6 @@
 //! `--chassis FILE`: the robot's body in TOML. Every key is optional; what is not said is as on
-//! the default robot. Lengths in metres, angles in degrees counter-clockwise from ahead.
+//! the default robot. Lengths in metres, angles in degrees counter-clockwise from ahead, `turn_rate` in
+//! degrees a second.
 //!
 //! ```toml
 //! radius = 0.12
@@ -44,10 +45,10 @@ pub fn read(path: &Path) -> Result<Chassis, ArgumentError> {
             let keys: Vec<&str> = MEASURES.iter().map(|measure| measure.name).collect();
             return Err(file.unknown(entry, &[&keys[..], &["sensors"]].concat()));
         };
-        let Measure { low, high, degrees, of, .. } = *measure;
+        let Measure { low, high, unit, degrees, of, .. } = *measure;
         let value = entry.number().map_err(|why| file.bad(entry, &why))?;
         if !(low..=high).contains(&value) {
-            let why = format!("{value} is not between {low} and {high}");
+            let why = format!("{value} is not between {low} and {high} {unit}");
             return Err(file.bad(entry, &why));
         }
         *of(&mut chassis) = if degrees { value.to_radians() } else { value };

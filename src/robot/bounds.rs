@@ -24,6 +24,8 @@ pub struct Measure {
     pub low: f64,
     /// The most.
     pub high: f64,
+    /// What it counts, for complaints.
+    pub unit: &'static str,
     /// Whether the file counts it in degrees, and the chassis in radians.
     pub degrees: bool,
     /// Where it belongs.
@@ -32,38 +34,40 @@ pub struct Measure {
 
 const fn plain(
     name: &'static str,
-    (low, high): (f64, f64),
+    (low, high, unit): (f64, f64, &'static str),
     of: fn(&mut Chassis) -> &mut f64,
 ) -> Measure {
-    Measure { name, low, high, degrees: false, of }
+    Measure { name, low, high, unit, degrees: false, of }
 }
 
 const fn degrees(
     name: &'static str,
-    (low, high): (f64, f64),
+    (low, high, unit): (f64, f64, &'static str),
     of: fn(&mut Chassis) -> &mut f64,
 ) -> Measure {
-    Measure { name, low, high, degrees: true, of }
+    Measure { name, low, high, unit, degrees: true, of }
 }
 
-/// The measures of a body.
+/// The measures of a body. No robot turns as slowly as a file says that means radians a second.
 pub const MEASURES: [Measure; 9] = [
-    plain("radius", (0.01, 1.0), |chassis| &mut chassis.radius),
-    plain("wheel_base", (0.01, 2.0), |chassis| &mut chassis.wheel_base),
-    plain("tick", (1e-6, 0.02), |chassis| &mut chassis.tick),
-    plain("range", (0.005, 1.0), |chassis| &mut chassis.range),
-    plain("hysteresis", (0.0, 0.1), |chassis| &mut chassis.hysteresis),
-    plain("speed", (0.01, 2.0), |chassis| &mut chassis.speed),
-    degrees("turn_rate", (1.0, 720.0), |chassis| &mut chassis.turn_rate),
-    plain("acceleration", (0.05, 20.0), |chassis| &mut chassis.acceleration),
-    degrees("bumper_half_angle", (0.0, 180.0), |chassis| &mut chassis.bumper_half_angle),
+    plain("radius", (0.01, 1.0, "metres"), |chassis| &mut chassis.radius),
+    plain("wheel_base", (0.01, 2.0, "metres"), |chassis| &mut chassis.wheel_base),
+    plain("tick", (1e-6, 0.02, "metres"), |chassis| &mut chassis.tick),
+    plain("range", (0.005, 1.0, "metres"), |chassis| &mut chassis.range),
+    plain("hysteresis", (0.0, 0.1, "metres"), |chassis| &mut chassis.hysteresis),
+    plain("speed", (0.01, 2.0, "metres a second"), |chassis| &mut chassis.speed),
+    degrees("turn_rate", (10.0, 720.0, "degrees a second"), |chassis| &mut chassis.turn_rate),
+    plain("acceleration", (0.05, 20.0, "metres a second squared"), |chassis| {
+        &mut chassis.acceleration
+    }),
+    degrees("bumper_half_angle", (0.0, 180.0, "degrees"), |chassis| &mut chassis.bumper_half_angle),
 ];
 
 /// What no robot's body can be.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unfit {
     /// A measure beyond its limits, in the units of a chassis file.
-    #[error("{name} of {value} is not between {low} and {high}")]
+    #[error("{name} of {} is not between {low} and {high} {unit}", rounded(*.value))]
     Measure {
         /// Its key.
         name: &'static str,
@@ -73,6 +77,8 @@ pub enum Unfit {
         low: f64,
         /// The most.
         high: f64,
+        /// What all three count.
+        unit: &'static str,
     },
     /// Too few switches to follow a wall with, or more than a set can hold.
     #[error("{count} switches, and a robot has from {} to {}", SWITCHES.start(), SWITCHES.end())]
@@ -96,6 +102,12 @@ pub enum Unfit {
         /// Which one.
         index: usize,
     },
+}
+
+/// What radians make of a round number of degrees is told as that.
+fn rounded(value: f64) -> f64 {
+    let near = (value * 1e6).round() / 1e6;
+    if (near - value).abs() < 1e-9 { near } else { value }
 }
 
 impl Chassis {
@@ -122,12 +134,12 @@ impl Chassis {
     /// As [`Chassis::check`].
     pub fn check_measures(&self) -> Result<(), Unfit> {
         let mut body = Self { sensors: Vec::new(), ..*self };
-        for Measure { name, low, high, degrees, of } in MEASURES {
+        for Measure { name, low, high, unit, degrees, of } in MEASURES {
             let value = *of(&mut body);
             let value = if degrees { value.to_degrees() } else { value };
             let limits = low - low * ROUNDING..=high + high * ROUNDING;
             if !limits.contains(&value) {
-                return Err(Unfit::Measure { name, value, low, high });
+                return Err(Unfit::Measure { name, value, low, high, unit });
             }
         }
         let (hysteresis, range) = (self.hysteresis, self.range);
@@ -152,6 +164,17 @@ mod tests {
             let chassis = Chassis { sensors, ..Chassis::default() };
             assert_eq!(chassis.check(), Err(Unfit::Switches { count }));
         }
+    }
+
+    /// Whoever thinks in radians is not left with a robot that turns for a minute.
+    #[test]
+    fn a_bound_is_told_with_its_unit() {
+        let slow = Chassis { turn_rate: 1.5_f64.to_radians(), ..Chassis::default() };
+        let told = slow.check().expect_err("1.5 degrees a second").to_string();
+        assert_eq!(told, "turn_rate of 1.5 is not between 10 and 720 degrees a second");
+        let wide = Chassis { radius: 3.0, ..Chassis::default() };
+        let told = wide.check().expect_err("3 m").to_string();
+        assert_eq!(told, "radius of 3 is not between 0.01 and 1 metres");
     }
 
     #[test]

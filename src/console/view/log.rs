@@ -3,10 +3,11 @@
 
 use super::pen::{Pen, width};
 use super::words;
+use crate::console::action::Action;
 use crate::console::model::{LogView, Model};
 use crate::console::theme::{Role, Theme};
 use crate::mapping::event::{Event, Severity};
-use crate::session::Snapshot;
+use crate::session::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -74,7 +75,10 @@ pub(super) fn draw(
     let mut pen = Pen::new(buf, theme, area);
     let events = listed(model, snapshot);
     if events.is_empty() {
-        pen.text(area.x + 1, area.y, "nothing has happened yet", Role::Muted);
+        let begins = how_it_begins(model, snapshot);
+        for (y, line) in (area.y..).zip(words::wrap(&begins, area.width.saturating_sub(2))) {
+            pen.text(area.x + 1, y, &line, Role::Muted);
+        }
         return;
     }
     let mut bottom = area.bottom();
@@ -93,6 +97,24 @@ pub(super) fn draw(
         }
         bottom -= lines.len() as u16;
         draw_entry(&mut pen, event, &lines, area.x, bottom);
+    }
+}
+
+/// What the log says before there is anything to say: that nothing goes on before somebody says so.
+fn how_it_begins(model: &Model, snapshot: &Snapshot) -> String {
+    let way = |action| model.keymap.way(action);
+    let (run, phase) = (way(Action::RunPause), way(Action::StepPhase));
+    match snapshot.run {
+        RunState::Paused if snapshot.recorded => {
+            format!("nothing has happened yet: {run} plays, {phase} goes to the next phase")
+        }
+        RunState::Paused => {
+            let command = way(Action::StepCommand);
+            format!(
+                "{run} begins; {phase} goes on to the end of the phase, {command} by one command"
+            )
+        }
+        _ => "nothing has happened yet".to_owned(),
     }
 }
 
@@ -120,7 +142,6 @@ fn draw_entry(pen: &mut Pen<'_>, event: &Event, lines: &[String], x: u16, y: u16
 mod tests {
     use super::*;
     use crate::console::Keymap;
-    use crate::console::action::Action;
     use crate::console::frame::planes;
     use crate::console::update::perform;
     use crate::geometry::Pose;
@@ -201,5 +222,21 @@ mod tests {
         assert!(entries[0].starts_with(" 0:00:40 ▲ one word"), "{entries:?}");
         assert!(entries[1].ends_with(" …"), "{entries:?}");
         assert!(entries[2].starts_with(" 0:00:41"), "{entries:?}");
+    }
+
+    /// It opens paused: whoever waits for it to begin is told how.
+    #[test]
+    fn before_anything_has_happened_the_log_says_how_it_begins() {
+        let (model, mut snapshot) = some();
+        snapshot.events.clear();
+        let (_, entries) = seen(&model, &snapshot);
+        assert_eq!(entries[0], " r begins; p goes on to the end of the phase, n by one command");
+        snapshot.run = RunState::Running;
+        assert_eq!(seen(&model, &snapshot).1[0], " nothing has happened yet");
+        (snapshot.run, snapshot.recorded) = (RunState::Paused, true);
+        assert_eq!(
+            seen(&model, &snapshot).1[0],
+            " nothing has happened yet: r plays, p goes to the next phase"
+        );
     }
 }

@@ -67,7 +67,9 @@ impl<W: Write> LiveRun<W> {
         } else {
             self.restart = life.as_ref().map(Restart::recorded);
         }
-        self.carried = (again || placed.is_some()).then_some(Intent::Placed { near: placed });
+        // A run that ended since it did not find its place where it was said to be looks everywhere.
+        let anywhere = again || session.mission().waits_for_place();
+        self.carried = (anywhere || placed.is_some()).then_some(Intent::Placed { near: placed });
         self.ended = None;
         self.session = Some(session);
         self.wish(Intent::Pause, now);

@@ -231,6 +231,11 @@ fn where_two_places_look_the_same_the_robot_asks() {
     assert!(reason.contains("--placed"), "{reason}");
     rig.until(1.0, |_| false);
     assert!(rig.speed() < 1e-9, "it moves and does not know where");
+    // Taken up without a word, and not started again meanwhile, it looks once more.
+    resurrect(&mut rig, 11, None);
+    let moves = |rig: &Rig| rig.run.session().is_some_and(|one| one.mission().is_moving());
+    assert!(rig.until(60.0, moves), "{:?}", rig.run.ending());
+    assert!(rig.until(1000.0, |rig| rig.run.ending().is_some()));
     // The operator puts it back where it was found, and says so, roughly.
     carry(&mut rig, &world, place);
     resurrect(&mut rig, 10, Some(Pose::new(4.1, 1.3, 1.2)));

@@ -262,6 +262,7 @@ impl<W: Write> LiveRun<W> {
                 ),
                 Heard::Telemetry(telemetry) => self.told(&telemetry, now),
                 Heard::Early { seconds, ended } => self.early(seconds, ended, now),
+                Heard::Patient(seconds) => self.patient(seconds, now),
                 Heard::Health(health) => self.health(health, now),
                 Heard::Refused(id, why) => {
                     self.remark(format!("the robot refused a command: {why}"), now);

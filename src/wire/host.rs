@@ -17,7 +17,7 @@ use super::message::{FromRobot, ToRobot, VERSION};
 use crate::robot::{Command, CommandId, SWITCHES, Telemetry, Unfit};
 use clock::Clock;
 use pending::Pending;
-use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, HOLE, OVERDUE, OVERTAKEN_US};
+use timing::{ANSWER, CLEAN, EXCHANGE, FIRST_STOP, HOLE, OVERDUE, OVERTAKEN_US, PATIENCE};
 use told::Introduction;
 
 /// The host's end.
@@ -270,6 +270,9 @@ impl Host {
                 if !SWITCHES.contains(&switches) {
                     return self.unfit(Unfit::Switches { count: switches }, told);
                 }
+                if watchdog > PATIENCE {
+                    return self.lose(Loss::Patient(watchdog), told);
+                }
                 let hello = Some((boot, switches, name));
                 // What another robot said of its body is not this one's.
                 if self.introduction.hello != hello {
@@ -349,6 +352,7 @@ impl Host {
         self.news = now;
         if self.is_in_time(time_us, None, now, told) {
             self.time_us = time_us;
+            told.extend(self.clock.take_patience(time_us, now).map(Heard::Patient));
             told.push(Heard::Telemetry(report));
         }
     }

@@ -2,6 +2,7 @@
 //! whose screen is stuck, shows nothing and hears no stop.
 
 use super::LiveRun;
+use crate::export::Outcome;
 use crate::session::RunState;
 use std::io::Write;
 
@@ -21,6 +22,20 @@ impl<W: Write> LiveRun<W> {
             let why = "the console hangs, or its screen is stuck: the robot was stopped";
             self.remark(why.to_owned(), now);
             self.stop(now);
+        }
+    }
+
+    /// The robot itself does not mind for `seconds` whether its host is there: a line that breaks would let it
+    /// drive on for as long. The operator may have it so, and knows it then.
+    pub(super) fn patient(&mut self, seconds: f64, now: f64) {
+        let why = format!(
+            "the robot drives on for {seconds:.0} s after its host falls silent (its watchdog), and should stop \
+             by itself within 0.3 s: it was stopped"
+        );
+        self.remark(why.clone(), now);
+        self.stop(now);
+        if self.plan.at_once {
+            self.end(Outcome::Failed, why);
         }
     }
 

@@ -152,3 +152,19 @@ fn a_robot_that_answers_but_does_not_report_is_not_driven_blind() {
         assert_eq!(told.iter().filter(lost).count(), 1, "outdated: {outdated}: it flaps");
     }
 }
+
+#[test]
+fn a_robot_that_would_drive_on_for_an_hour_is_refused() {
+    let said = |watchdog: u32| {
+        let text = String::from_utf8(introduction(&Chassis::default(), 8)).expect("text");
+        let (_, rest) = text.split_once('\n').expect("lines");
+        let mut out = Vec::new();
+        seal(&format!("h 1 7 2A {watchdog} 8 tin"), &mut out);
+        out.extend(rest.bytes());
+        lost(&out)
+    };
+    assert_eq!(said(300), None);
+    assert_eq!(said(300_000), None);
+    let why = said(3_600_000).expect("refused");
+    assert!(why.contains("drives on for 3600 s"), "{why}");
+}

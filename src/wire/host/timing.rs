@@ -24,6 +24,9 @@ pub(super) const CLEAN: f64 = 0.5;
 pub(super) const UNDOUBTED: f64 = 1.0;
 /// A robot that tells of later events says the next one again within this, seconds.
 pub(super) const HOLE: f64 = 0.5;
+/// No robot waits longer than this for its host, milliseconds: simulated hardware that is a thousand times as
+/// fast as life does.
+pub(super) const PATIENCE: u32 = 300_000;
 /// Bytes of the longest command and its acknowledgement.
 pub(super) const EXCHANGE: f64 = 60.0;
 /// Stops are numbered from here: commands never get so far.

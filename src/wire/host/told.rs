@@ -42,6 +42,12 @@ pub enum Loss {
     /// It says that it has a body that no robot can have.
     #[error("the robot says that it has a body which it cannot have: {0}; see `periplus protocol`")]
     Unfit(Unfit),
+    /// It would not stop by itself.
+    #[error(
+        "the robot says that it drives on for {} s after its host falls silent (its watchdog); see `periplus \
+         protocol`", .0 / 1000
+    )]
+    Patient(u32),
     /// Nothing was heard for too long.
     #[error("nothing heard from the robot for 1.5 s")]
     Silent,
@@ -125,6 +131,9 @@ pub enum Heard {
         /// The motion that it was the end of.
         ended: Option<CommandId>,
     },
+    /// It waits for its host for so many seconds before it stops by itself, and is no simulated one whose time
+    /// goes as much faster.
+    Patient(f64),
     /// The link is better or worse than before.
     Health(Health),
     /// A command was refused, in the robot's words.

@@ -45,3 +45,21 @@ fn a_run_without_an_operator_needs_none() {
     pass(&mut rig, 30.0, false);
     assert_eq!(rig.run_state(), RunState::Running);
 }
+
+/// A robot that would drive on for a minute after its host has fallen silent is stopped, and the operator is told;
+/// a simulated one whose time goes as much faster is none.
+#[test]
+fn a_robot_that_does_not_mind_its_host_is_stopped() {
+    for at_once in [true, false] {
+        let mut rig = rig(Faults::default(), 1, at_once);
+        // It waits 200 times as long, and its time goes as fast as life.
+        rig.device = Device::new(&crate::robot::Chassis::default(), "tin", 3, 200.0);
+        rig.until(2.0, |_| false);
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(4.0, |_| false);
+        assert_eq!(rig.run_state(), RunState::Stopped, "at once: {at_once}");
+        assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "at once: {at_once}");
+        assert_eq!(rig.alarms("drives on for 60 s"), 1, "at once: {at_once}");
+        assert_eq!(rig.run.ending().is_some(), at_once);
+    }
+}

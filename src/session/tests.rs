@@ -51,6 +51,20 @@ fn begun(settings: Settings, until: Phase, intent: Intent) -> (Session, Vec<Outg
     (session, out)
 }
 
+/// Where nothing goes on without a word of the operator, the screen knows it.
+#[test]
+fn a_robot_that_needs_its_place_is_shown_so_until_it_is_told() {
+    let needs = |session: &Session| match session.snapshot().robot {
+        Known::Known(robot) => robot.needs_place,
+        other => panic!("{other:?}"),
+    };
+    let (mut session, _) = begun(settings(), Phase::Objects, Intent::Placed { near: None });
+    assert!(needs(&session));
+    let near = Some(Pose::new(1.0, 1.0, 0.0));
+    session.intent(Intent::Placed { near }, &mut Vec::new());
+    assert!(!needs(&session));
+}
+
 /// Ten metres at once, and from there on quietly counted on: however long that lasts, and whatever the
 /// operator does, it is no way that was driven; nor is it after the record was played back.
 #[test]

@@ -89,7 +89,7 @@ pub enum JournalError {
         why: String,
     },
     /// A line before the last is damaged.
-    #[error("{}:{line}: {why}; `replay`, `snapshot` and `export` show what is whole, up to there", path.display())]
+    #[error("{}:{line}: {why}; {}", path.display(), what_is_left(*.line))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -98,6 +98,15 @@ pub enum JournalError {
         /// What is wrong.
         why: String,
     },
+}
+
+/// What can be had of a record that is damaged in `line`. The first tells what the run was started with.
+fn what_is_left(line: usize) -> &'static str {
+    if line == 1 {
+        "without its header there is nothing to be had of the record"
+    } else {
+        "`replay`, `snapshot` and `export` show what is whole, up to there"
+    }
 }
 
 /// Reads the record in a file, or in the file `journal` of a folder, to go on with it.

@@ -89,6 +89,11 @@ fn damage_in_the_middle_is_refused_with_its_line() {
     bytes[third + 8] ^= 1;
     let error = parse(&bytes).expect_err("a hole");
     assert!(error.to_string().starts_with("run/journal:3: "), "{error}");
+    assert!(error.to_string().contains("show what is whole"), "{error}");
+    let mut headless = written();
+    headless[40] ^= 1;
+    let error = parse(&headless).expect_err("no header").to_string();
+    assert!(error.starts_with("run/journal:1: ") && !error.contains("whole"), "{error}");
 }
 
 #[test]

@@ -275,6 +275,10 @@ mod tests {
                 format!("{START}{square}[[objects]]\nname = \"a\"\n"),
                 "room.toml:4: objects[0] \"a\"",
             ),
+            (
+                format!("{START}{square}[[objects]]\n"),
+                "room.toml:4: objects[0] (counted from 0): needs",
+            ),
             (format!("{START}name = \"{long}\"\n{square}"), "room.toml:2: name: has 201 letters"),
             (
                 format!("{START}{square}[[objects]]\nname = \"{long}\"\n"),

@@ -82,16 +82,18 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let objects = objects.into_iter().map(|(name, ring)| WorldObject { name, ring }).collect();
     let (boundary, boundary_place) = boundary.ok_or_else(|| missing("boundary"))?;
     let (start, start_place) = start.ok_or_else(|| missing("start"))?;
-    let name = file.properties.get("id").and_then(Value::as_str).unwrap_or("unnamed");
-    let name = outline::name(name, &format!("{place}: id"))?.to_owned();
+    let name = named(&file.properties, place)?.unwrap_or_else(|| "unnamed".to_owned());
     Ok(Draft { world: World { name, start, boundary, objects }, start_place, boundary_place })
 }
 
 fn name(feature: &Feature, index: usize, place: &str) -> Result<String, WorldError> {
-    match feature.properties.get("id").and_then(Value::as_str) {
-        Some(id) => outline::name(id, &format!("{place}: id")).map(str::to_owned),
-        None => Ok(format!("feature {index}")),
-    }
+    let name = named(&feature.properties, place)?;
+    Ok(name.unwrap_or_else(|| format!("feature {index}")))
+}
+
+fn named(properties: &Value, place: &str) -> Result<Option<String>, WorldError> {
+    let id = properties.get("id").and_then(Value::as_str);
+    Ok(id.map(|id| outline::name(id, &format!("{place}: id"))).transpose()?.flatten())
 }
 
 /// Where the robot faces: radians counter-clockwise from +x.

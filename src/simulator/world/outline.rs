@@ -82,11 +82,12 @@ pub(super) fn circle(center: [f64; 2], radius: f64, place: &str) -> Result<Ring,
 /// Letters of the longest name: it has to fit on a screen and in a picture.
 const LONGEST_NAME: usize = 200;
 
-/// A name, checked: what a map can be called, a world and what stands in it can.
-pub(super) fn name<'n>(name: &'n str, place: &str) -> Result<&'n str, WorldError> {
+/// A name, checked: what a map can be called, a world and what stands in it can. One without letters, as other programs
+/// write it for what has none, is none.
+pub(super) fn name(name: &str, place: &str) -> Result<Option<String>, WorldError> {
     let name = name.trim();
     if name.is_empty() {
-        return Err(WorldError::new(place, "has no letters; leave it out to have no name"));
+        return Ok(None);
     }
     if name.chars().any(char::is_control) {
         return Err(WorldError::new(place, "has control characters in it"));
@@ -96,7 +97,7 @@ pub(super) fn name<'n>(name: &'n str, place: &str) -> Result<&'n str, WorldError
         let what = format!("has {letters} letters; {LONGEST_NAME} are the most");
         return Err(WorldError::new(place, what));
     }
-    Ok(name)
+    Ok(Some(name.to_owned()))
 }
 
 /// The first two pieces that cross or touch without being neighbours. Sweeps over x, so that long

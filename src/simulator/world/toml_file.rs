@@ -54,7 +54,7 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let at = |start: usize, what: &str| format!("{place}:{}: {what}", line(text, start));
     let named = |name: &Spanned<String>| {
         let here = at(name.span().start, "name");
-        outline::name(name.get_ref(), &here).map(str::to_owned)
+        outline::name(name.get_ref(), &here)
     };
     let start =
         file.start.ok_or_else(|| missing("start", "start = { x = 0.6, y = 0.6, heading = 90 }"))?;
@@ -74,18 +74,18 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let boundary = ring(boundary.get_ref(), &boundary_place)?;
     let mut objects = Vec::with_capacity(file.objects.len());
     for (index, object) in file.objects.iter().enumerate() {
-        let given = object.get_ref().name.as_ref().map(named).transpose()?;
+        let given = object.get_ref().name.as_ref().map(named).transpose()?.flatten();
         let listed = format!("objects[{index}]");
         let told = match &given {
             Some(name) => format!("{listed} \"{name}\""),
-            None => format!("{listed}, counted from 0,"),
+            None => format!("{listed} (counted from 0)"),
         };
         let here = at(object.span().start, &told);
         let name = given.unwrap_or(listed);
         let ring = ring(object.get_ref(), &here)?;
         objects.push(WorldObject { name, ring });
     }
-    let name = file.name.as_ref().map(named).transpose()?;
+    let name = file.name.as_ref().map(named).transpose()?.flatten();
     let name = name.unwrap_or_else(|| "unnamed".to_owned());
     let start = Pose::new(x, y, heading.to_radians());
     Ok(Draft { world: World { name, start, boundary, objects }, start_place, boundary_place })

@@ -155,7 +155,8 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
         let mut journal = Journal::begin(Vec::new(), header).expect("memory");
         let count = recording.records.len() / share;
         recording.records[..count].iter().for_each(|record| journal.record(record));
-        fs::write(&real, journal.finish().expect("memory")).expect("a record");
+        fs::create_dir_all(&real).expect("a folder");
+        fs::write(real.join("journal"), journal.finish().expect("memory")).expect("a record");
     };
     write(&header, 1);
     let resume = ["run", "--port", "tcp://127.0.0.1:1", "--resume", real.to_str().expect("a path")];

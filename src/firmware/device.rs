@@ -27,6 +27,8 @@ pub struct Device {
     event: u32,
     unconfirmed: VecDeque<(u32, Telemetry)>,
     since_said: u32,
+    /// Steps after which what is not confirmed is said again.
+    again: u32,
     out: Vec<u8>,
 }
 
@@ -48,6 +50,8 @@ impl Device {
             event: 0,
             unconfirmed: VecDeque::new(),
             since_said: 0,
+            // Where its time is slow its host would wait for that as well.
+            again: (f64::from(AGAIN) * speed.min(1.0)).round().max(1.0) as u32,
             out: Vec::new(),
         };
         device.introduce();
@@ -176,7 +180,7 @@ impl Device {
             self.tell(telemetry);
         }
         self.since_said += 1;
-        if self.since_said >= AGAIN {
+        if self.since_said >= self.again {
             self.since_said = 0;
             let again: Vec<_> = self.unconfirmed.iter().take(AT_ONCE).copied().collect();
             for (event, telemetry) in again {

@@ -19,11 +19,21 @@ const REACHED: f64 = 0.02;
 /// Smaller turns are not worth a motion, radians.
 const FACING: f64 = 0.01;
 /// What it hits, it backs off from by this, metres, ...
-const BACK_OFF: f64 = 0.05;
-/// ... and passes so far to the left, metres: it hit a jamb, and which of the two its bumper does not say.
-const BESIDE: [f64; 4] = [0.02, -0.02, 0.04, -0.04];
+const BACK_OFF: f64 = 0.08;
+/// ... and passes so far to the left of the way, metres: it hit a jamb, and which of the two its bumper does not say.
+const BESIDE: [f64; 6] = [0.015, -0.015, 0.03, -0.03, 0.045, -0.045];
+/// It gets beside the way so far before what it hit, metres; ...
+const BEFORE: f64 = 0.04;
+/// ... and what it hits no farther than this from there is the same, metres.
+const SAME_HIT: f64 = 0.12;
 /// After this many metres beside the way it goes on as it was.
 const PAST: f64 = 0.2;
+/// A place of the way there is of the way round when it is as near to it as this, metres.
+const OF_ROUND: f64 = 0.05;
+/// What it drove last before that, metres, is the line in which it came in; it gets in that line so many metres
+/// behind the gap, as far as it can.
+const RUN_UP: f64 = 0.2;
+const IN_LINE: [f64; 3] = [0.4, 0.3, 0.2];
 /// Farther along the way than this, metres, ...
 const ROUND: f64 = 0.4;
 /// ... it came back to a place when it was as near to it as this, metres.
@@ -38,9 +48,13 @@ pub(super) struct Retreat {
     why: &'static str,
     /// A motion of it was asked for: what ended the one before says nothing of the way.
     begun: bool,
-    /// Where it hit something, looking along the way, and how often.
+    /// It backs off from what it hit.
+    backs_off: bool,
+    /// Where it hit that first, looking along the way, and how often.
     hit: Option<Pose>,
     hits: usize,
+    /// How many places of the way lie beyond that.
+    beyond: usize,
 }
 
 impl Retreat {
@@ -59,12 +73,13 @@ impl Retreat {
             return None;
         }
         let there = between(path, begun_us, from).chain(between(path, to, u64::MAX));
-        let way = straightened(without_rounds(there).into_iter());
+        let way = without_rounds(there);
+        let way = in_line(&way, &round).unwrap_or_else(|| straightened(way.into_iter()));
         Some((Self::along(way, "went round a pocket: back by the way it came"), round))
     }
 
     fn along(way: Vec<Point>, why: &'static str) -> Self {
-        Self { way, why, begun: false, hit: None, hits: 0 }
+        Self { way, why, begun: false, backs_off: false, hit: None, hits: 0, beyond: 0 }
     }
 
     /// The way back by `way`, which led from its first place into a pocket.
@@ -91,14 +106,23 @@ impl Retreat {
         let begun = std::mem::replace(&mut self.begun, true);
         let pose = rest.pose;
         if begun && matches!(rest.reason, DoneReason::Bumper | DoneReason::Stalled) {
-            if self.hits == BESIDE.len() || self.hit.is_some() {
+            if self.hits == BESIDE.len() || self.backs_off {
                 return None;
             }
-            self.hit = Some(pose);
+            let is_it = |first: &Pose| (first.position - pose.position).norm() < SAME_HIT;
+            if self.hit.as_ref().is_some_and(is_it) {
+                // The places beside the way that it was to pass it by.
+                self.way.truncate(self.beyond);
+            } else {
+                self.hit = Some(pose);
+            }
+            self.backs_off = true;
             let motion = Motion::Move { distance: -BACK_OFF, speed: f64::INFINITY };
             return Some(Ask { motion, guard: Guard::default(), why: self.why });
         }
-        if let Some(hit) = self.hit.take() {
+        if std::mem::take(&mut self.backs_off)
+            && let Some(hit) = self.hit
+        {
             self.pass_beside(hit);
         }
         while self.way.last().is_some_and(|place| (place - pose.position).norm() < REACHED) {
@@ -120,8 +144,9 @@ impl Retreat {
         let past = (last - hit.position).norm().min(PAST);
         let beside = hit.position + hit.rotate(Vector::new(0.0, BESIDE[self.hits]));
         self.hits += 1;
+        self.beyond = self.way.len();
         self.way.push(beside + hit.direction() * past);
-        self.way.push(beside);
+        self.way.push(beside - hit.direction() * BEFORE);
     }
 }
 
@@ -130,6 +155,27 @@ fn between(path: &[PathPoint], from: u64, to: u64) -> impl Iterator<Item = Point
     let first = path.partition_point(|point| point.time_us < from);
     let end = path.partition_point(|point| point.time_us <= to);
     path[first..end.max(first)].iter().map(|point| point.pose.position)
+}
+
+/// The `way` out of a pocket, with the way round it, so that it goes through the gap in the line in which it came in:
+/// along the walls of the pocket it would cut the corner of a jamb. None where it cannot get in line.
+fn in_line(way: &[Point], round: &Ring) -> Option<Vec<Point>> {
+    let is_in = |p: &Point| round.contains(*p) || round.distance(*p) < OF_ROUND;
+    let entered = way.iter().position(is_in)?;
+    let (gap, here) = (way[entered], *way.last()?);
+    let before = way[..entered].iter().rfind(|p| (gap - **p).norm() > RUN_UP)?;
+    let along = (gap - before).normalize();
+    let is_free = |ahead: f64| {
+        let place = gap + along * ahead;
+        let line = |p: Point, q: Point, k: u32| p + (q - p) * (f64::from(k) / 10.0);
+        let inside = |p: Point| round.contains(p) || round.distance(p) < REACHED;
+        (0..10).all(|k| inside(line(place, here, k)))
+            && (0..10).all(|k| inside(line(place, gap, k)))
+    };
+    let ahead = IN_LINE.into_iter().find(|ahead| is_free(*ahead))?;
+    let mut out = straightened(way[..=entered].iter().copied());
+    out.push(gap + along * ahead);
+    Some(out)
 }
 
 /// A way without what only led back to where it had been.
@@ -207,7 +253,7 @@ mod tests {
                 matches!(off, Some(Motion::Move { distance, .. }) if distance < 0.0),
                 "{times}"
             );
-            let aside = ask(&mut back, rest(1.65, angle::PI, DoneReason::Complete));
+            let aside = ask(&mut back, rest(1.68, angle::PI, DoneReason::Complete));
             let turned = if times % 2 == 0 { 1.0 } else { -1.0 };
             let is_aside =
                 matches!(aside, Some(Motion::Turn { angle, .. }) if angle * turned > 0.1);
@@ -217,6 +263,21 @@ mod tests {
         assert!(!back.is_back());
         path[15].carried = true;
         assert!(Retreat::to_free(&path, free).is_none(), "it did not drive there");
+    }
+
+    #[test]
+    fn out_of_a_pocket_it_goes_in_the_line_in_which_it_came() {
+        // In along the x axis to a gap at x = 1, and round a pocket of a metre from there, to beside the gap.
+        let there = (0..=20).map(|k| Point::new(f64::from(k) * 0.05, 0.0));
+        let corners = [(1.0, 0.0), (1.0, -0.5), (2.0, -0.5), (2.0, 0.5), (1.0, 0.5)];
+        let round = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let way: Vec<Point> = there.chain([Point::new(1.0, -0.3), Point::new(1.1, -0.4)]).collect();
+        let out = in_line(&way, &round).expect("a line");
+        assert!(out.last().is_some_and(|p| (1.3..1.45).contains(&p.x)), "{out:?}");
+        assert!(out.iter().all(|p| p.y == 0.0) && out[0] == Point::origin(), "{out:?}");
+        // Where it cannot get there, it goes as it came.
+        let behind: Vec<Point> = way.iter().copied().chain([Point::new(1.0, 2.0)]).collect();
+        assert_eq!(in_line(&behind, &round), None);
     }
 
     #[test]

@@ -390,7 +390,12 @@ impl Keeper {
                         self.run.receive(&bytes[..count], now);
                     }
                 },
-                _ = tick.tick() => {}
+                _ = tick.tick() => {
+                    // Asked only where nothing was there to read: however long this program was busy.
+                    if self.address.is_bridge() && self.now() - heard > SILENT {
+                        break;
+                    }
+                }
             }
             let now = self.now();
             self.tick(now);
@@ -403,9 +408,6 @@ impl Keeper {
             if waiting.is_empty() {
                 progress = now;
             } else if now - progress > STUCK {
-                break;
-            }
-            if self.address.is_bridge() && now - heard > SILENT {
                 break;
             }
             self.show();

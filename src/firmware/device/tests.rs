@@ -11,10 +11,15 @@ struct Bench {
 }
 
 fn bench() -> Bench {
+    slowed(1.0)
+}
+
+/// A robot whose time runs `speed` times as fast as its host's.
+fn slowed(speed: f64) -> Bench {
     let text = include_str!("../../../sims/rectangle.toml");
     let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
     let chassis = Chassis::default();
-    let mut device = Device::new(&chassis, "tin", 1, 1.0);
+    let mut device = Device::new(&chassis, "tin", 1, speed);
     let _ = device.take_output();
     Bench { device, body: Body::new(&world, &chassis, NoiseProfile::None, 1) }
 }
@@ -136,5 +141,19 @@ fn the_first_command_of_another_host_is_done_as_well() {
         assert!(done.iter().any(|line| line.starts_with("d 1 1 ok")), "{session}: {done:?}");
         let went = (bench.body.true_pose().position - from).norm();
         assert!((went - 0.02).abs() < 0.001, "{session}: {went} m");
+    }
+}
+
+#[test]
+fn an_event_is_said_again_as_often_by_its_hosts_clock_however_slow_its_own_is() {
+    for (speed, seconds) in [(1.0, 1.0), (0.2, 0.2)] {
+        let mut bench = slowed(speed);
+        bench.say(&HELLO);
+        bench.say(&ahead(1, 0.02));
+        // It has driven that by then, and nobody confirms that it has.
+        bench.live(2.0);
+        let lines = bench.live(seconds);
+        let said = lines.iter().filter(|line| line.starts_with("d ")).count();
+        assert!((8..=12).contains(&said), "{said} times in a second at {speed}: {lines:?}");
     }
 }

@@ -3,7 +3,7 @@
 use super::{CommandError, glue, output};
 use crate::cli::settings_file::{Entry, SettingsFile, kind};
 use crate::cli::{ArgumentError, CheckArgs, Common, chassis, config};
-use crate::geometry::{Point, Vector};
+use crate::geometry::Vector;
 use crate::robot::Chassis;
 use crate::simulator::World;
 use std::collections::{HashSet, VecDeque};
@@ -124,12 +124,6 @@ fn has_room(world: &World, radius: f64) -> bool {
     let enough = std::f64::consts::PI * STEPS * STEPS;
     let start = world.start.position;
     let at = |(x, y): (i32, i32)| start + Vector::new(f64::from(x), f64::from(y)) * step;
-    let is_free = |place: Point| {
-        let rings = || world.objects.iter().map(|object| &object.ring);
-        world.boundary.contains(place)
-            && !rings().any(|ring| ring.contains(place))
-            && rings().chain([&world.boundary]).all(|ring| ring.distance(place) >= radius)
-    };
     let mut seen = HashSet::from([(0, 0)]);
     let mut todo = VecDeque::from([(0, 0)]);
     let mut farthest: f64 = 0.0;
@@ -139,7 +133,7 @@ fn has_room(world: &World, radius: f64) -> bool {
             return true;
         }
         for next in [(x + 1, y), (x, y + 1), (x - 1, y), (x, y - 1)] {
-            if !seen.contains(&next) && is_free(at(next)) {
+            if !seen.contains(&next) && world.can_stand(at(next), radius) {
                 seen.insert(next);
                 todo.push_back(next);
             }

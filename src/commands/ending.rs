@@ -3,7 +3,6 @@
 use super::{CommandError, output};
 use crate::export::RunRecord;
 use crate::mapping::event::EventKind;
-use crate::mapping::square::Squared;
 use crate::runtime::{Ending, OutputFolder};
 use crate::wording::ended;
 
@@ -74,10 +73,7 @@ pub fn print_squared(record: &RunRecord<'_>) -> Result<(), CommandError> {
     if !record.settings.square || record.map.shape.is_none() {
         return Ok(());
     }
-    let told = record.map.squared.as_ref().map_or(EventKind::NothingSquare, |squared| {
-        let Squared { walls, left, turned, moved, .. } = *squared;
-        EventKind::MadeSquare { walls, left, turned, moved }
-    });
+    let told = EventKind::squared(record.map.squared.as_ref());
     output::print(&format!("{told}\n"))
 }
 

@@ -2,6 +2,7 @@
 //! `words`.
 
 use super::map::{LineReason, Phase, ShapeClass};
+use super::square::Squared;
 use super::trust::Defect;
 use crate::geometry::Point;
 use crate::robot::DoneReason;
@@ -450,5 +451,13 @@ impl EventKind {
     #[must_use]
     pub fn gone_round(id: u32, first: bool) -> Self {
         if first { Self::ObjectClosed { id } } else { Self::ObjectApart { id } }
+    }
+
+    /// What squaring made of the outline: nothing, where no walls are nearly at right angles.
+    #[must_use]
+    pub fn squared(squared: Option<&Squared>) -> Self {
+        squared.map_or(Self::NothingSquare, |&Squared { walls, left, turned, moved, .. }| {
+            Self::MadeSquare { walls, left, turned, moved }
+        })
     }
 }

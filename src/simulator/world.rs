@@ -7,7 +7,7 @@ mod geojson;
 mod outline;
 mod toml_file;
 
-use crate::geometry::{Pose, Ring};
+use crate::geometry::{Point, Pose, Ring};
 use std::path::Path;
 
 /// Something that stands in the room. Whether it touches the boundary (intrinsic) or stands free
@@ -118,6 +118,22 @@ impl World {
         Ok(())
     }
 
+    /// How far it is from `at` to the nearest wall or object, metres, on whichever side of it.
+    fn distance(&self, at: Point) -> f64 {
+        std::iter::once(&self.boundary)
+            .chain(self.objects.iter().map(|object| &object.ring))
+            .map(|ring| ring.distance(at))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a body of this `radius` can stand at `at`.
+    #[must_use]
+    pub fn can_stand(&self, at: Point, radius: f64) -> bool {
+        self.boundary.contains(at)
+            && !self.objects.iter().any(|object| object.ring.contains(at))
+            && self.distance(at) >= radius
+    }
+
     fn check_start(&self, place: &str, radius: f64) -> Result<(), WorldError> {
         let at = self.start.position;
         let says = |what: String| Err(WorldError::new(place, what));
@@ -127,10 +143,7 @@ impl World {
         if let Some(object) = self.objects.iter().find(|object| object.ring.contains(at)) {
             return says(format!("({}, {}) lies inside object \"{}\"", at.x, at.y, object.name));
         }
-        let room = std::iter::once(&self.boundary)
-            .chain(self.objects.iter().map(|object| &object.ring))
-            .map(|ring| ring.distance(at))
-            .fold(f64::INFINITY, f64::min);
+        let room = self.distance(at);
         if room < radius {
             return says(format!(
                 "({}, {}) is {room:.3} m from a wall, but the robot needs {radius} m; move it away",

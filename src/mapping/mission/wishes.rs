@@ -2,7 +2,7 @@
 
 use super::{Mission, Outcome, Output, Task};
 use crate::mapping::event::{EventKind, Failure};
-use crate::mapping::square::{Squared, square};
+use crate::mapping::square::square;
 use crate::mapping::tape::Tape;
 use crate::mapping::tour::Tour;
 
@@ -50,11 +50,8 @@ impl Mission {
         let Some(shape) = self.map.shape.as_ref().filter(|_| self.settings.square) else {
             return;
         };
-        let told = square(&shape.outline).map_or(EventKind::NothingSquare, |(_, squared)| {
-            let Squared { walls, left, turned, moved, .. } = squared;
-            EventKind::MadeSquare { walls, left, turned, moved }
-        });
-        self.tell(told, out);
+        let squared = square(&shape.outline).map(|(_, squared)| squared);
+        self.tell(EventKind::squared(squared.as_ref()), out);
     }
 
     /// Takes a taped length: now when there is an outline, else as soon as there is one. With lines of

@@ -85,7 +85,10 @@ pub(super) fn runs(samples: &mut [Sample], sigma: f64) -> Vec<Run> {
         found = cheapest(samples, sigma);
     }
     merge(samples, &mut found, sigma);
-    while pass_over(samples, &mut found, sigma) || pass_over_at_corner(samples, &mut found, sigma) {
+    while pass_over(samples, &mut found, sigma)
+        || pass_over_between(samples, &mut found, sigma)
+        || pass_over_at_corner(samples, &mut found, sigma)
+    {
         merge(samples, &mut found, sigma);
     }
     merge_over_seam(samples, &mut found, sigma);
@@ -248,6 +251,49 @@ fn pass_over(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
         runs.drain(k + 1..k + 3);
     }
     over.is_some()
+}
+
+/// Joins two pieces of one straight wall of which one ends, where they meet, with a contact or two that stand
+/// out of it and turned it aside; false when there are no more such.
+fn pass_over_between(samples: &[Sample], runs: &mut Vec<Run>, sigma: f64) -> bool {
+    let straight = |run: &Run| matches!(run.model, Model::Line { .. });
+    let over = (0..runs.len().saturating_sub(1)).find_map(|k| {
+        let (a, b) = (&runs[k], &runs[k + 1]);
+        if !straight(a) || !straight(b) {
+            return None;
+        }
+        let without = |from_a: usize, from_b: usize| {
+            let (end, start) = (a.last.checked_sub(from_a)?, b.first + from_b);
+            if end + 1 < a.first + LEAST_BESIDE || b.last + 1 < start + LEAST_BESIDE {
+                return None;
+            }
+            let beside = [&samples[a.first..=end], &samples[start..=b.last]].concat();
+            let cut = end - a.first;
+            let left = Run { first: 0, last: cut, model: line_through(&beside[..=cut])? };
+            let (first, last) = (cut + 1, beside.len() - 1);
+            let right = Run { first, last, model: line_through(&beside[first..])? };
+            let (_, joined) = joined(&beside, &left, &right, sigma)?;
+            let odd = &samples[end + 1..start];
+            let near = odd.iter().all(|sample| joined.distance(sample.point) < MISTAKEN_BY);
+            near.then_some((k, Run { first: a.first, last: b.last, model: joined.model }))
+        };
+        (1..=MOST_MISTAKEN).find_map(|odd| without(0, odd).or_else(|| without(odd, 0)))
+    });
+    if let Some((k, run)) = over {
+        runs[k] = run;
+        runs.remove(k + 1);
+    }
+    over.is_some()
+}
+
+/// The straight line that lies best on contacts, in their order.
+fn line_through(samples: &[Sample]) -> Option<Model> {
+    let (first, last) = (samples.first()?, samples.last()?);
+    let mut moments = Moments::new(first.point);
+    for sample in samples {
+        moments.add(sample.point, sample.weight);
+    }
+    Some(line_model(&moments.line()?, first.point, last.point))
 }
 
 /// Takes a contact or two between the two walls of a corner for parts of these that lie too near to one of

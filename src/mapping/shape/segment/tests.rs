@@ -56,3 +56,15 @@ fn the_end_of_a_wall_that_was_looked_at_too_seldom_is_of_the_wall() {
     let mut begins = found.iter().map(|run| samples[run.first].point);
     assert!(begins.any(|p| p == Point::new(1.92, 2.0)), "{found:?}");
 }
+
+#[test]
+fn a_contact_that_stands_out_shortly_before_a_corner_turns_no_end_of_the_wall_aside() {
+    // Four standard deviations off, and three more within 15 mm before the corner: with the one that stands out they
+    // would be a wall of 50 mm askew.
+    let mut samples = square();
+    let end = 3 * 19;
+    let seen = [(0.062, 1.9935), (0.022, 2.0), (0.013, 1.9995), (0.01, 2.0003)];
+    samples.splice(end - 1..end, seen.map(|(x, y)| sample(Point::new(x, y))));
+    let found = runs(&mut samples, SIGMA);
+    assert_eq!(found.len(), 4, "{found:?}");
+}

@@ -273,12 +273,11 @@ impl ErrorFile {
 impl PartFile {
     fn of(part: &Part) -> Self {
         let outline = Outline::of(&part.ring);
-        // Only pieces that are one vertex each keep their index; long arcs become two.
-        let whole = match &outline {
-            Outline::Vertices(vertices) => vertices.len() == part.ring.pieces.len(),
-            Outline::Circle { .. } => false,
-        };
-        let cuts = part.cut.iter().enumerate().filter(|&(_, &cut)| cut && whole);
+        // A piece that takes two vertices is a wall or a cut at both.
+        let by_vertex = part.ring.pieces.iter().zip(&part.cut);
+        let by_vertex =
+            by_vertex.flat_map(|(piece, &cut)| std::iter::repeat_n(cut, vertices(piece).len()));
+        let cuts = by_vertex.enumerate().filter(|&(_, cut)| cut);
         Self { class: part.class, cuts: cuts.map(|(k, _)| k).collect(), outline }
     }
 }
@@ -387,6 +386,23 @@ mod tests {
         };
         let back = Outline::of(&keyhole).ring();
         assert!((back.area() - keyhole.area()).abs() < 2e-3, "area {}", back.area());
+    }
+
+    #[test]
+    fn a_cut_is_told_beside_an_arc_that_takes_two_vertices() {
+        let (from, to) = (angle::unit(6.1) * 2.0, angle::unit(0.1) * 2.0);
+        let ring = Ring {
+            pieces: vec![
+                Piece::Arc { center: Point::origin(), radius: 2.0, start: 0.1, sweep: 6.0 },
+                Piece::Line { from: Point::from(from), to: Point::from(to) },
+            ],
+        };
+        let circle = Some((Point::origin(), 2.0));
+        let part = Part { class: PartClass::Circle, ring, cut: vec![false, true], circle };
+        let file = PartFile::of(&part);
+        let Outline::Vertices(vertices) = &file.outline else { panic!("{file:?}") };
+        assert_eq!(vertices.len(), 3, "two for the arc");
+        assert_eq!(file.cuts, [2], "where its chord begins");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 mod shell;
 
 use periplus::journal::{Entry, Header, Journal, Record, Recording, RobotMark, read};
+use periplus::mapping::map::Phase;
 use periplus::robot::{Odometer, SwitchSet, Telemetry};
 use shell::{periplus, place, refused};
 use std::fs;
@@ -169,6 +170,21 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
         &[&resume[..], &["--until", "objects"]].concat(),
         &["--until was boundary and is now objects; leave it out to go on"],
     );
+    // What can no longer be had is refused as well, and not left out without a word.
+    let cases: [(&[&str], &str); 3] = [
+        (&["--laps", "3"], "--laps was 1 and is now 3"),
+        (&["--square"], "--square was not given and is now given"),
+        (&["--tape", "0,0:5,-1=5.02"], "--tape was not given and is now 0,0:5,-1=5.02"),
+    ];
+    for (flags, why) in cases {
+        refused(&[&resume[..], flags].concat(), &[why, "leave it out to go on"]);
+    }
+    // What nobody said does not differ: a calibration goes on to the end and the laps it was begun with.
+    let mut begun = header.clone();
+    (begun.settings.laps, begun.until) = (3, Some(Phase::Objects));
+    write(&begun, 2);
+    let calibrate = [&["calibrate"], &resume[1..]].concat();
+    refused(&calibrate, &["cannot be reached"]);
 }
 
 /// A limit on the length of files is met as a full disk is: one message, and no word of results that

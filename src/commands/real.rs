@@ -12,6 +12,7 @@ use crate::geometry::Pose;
 use crate::link::{Address, Faults, FaultyWay, RobotEnd, port};
 use crate::mapping::map::Phase;
 use crate::mapping::settings::Settings;
+use crate::mapping::tape::Tape;
 use crate::robot::Intent;
 use crate::runtime::line::Line;
 use crate::runtime::live::{Interrupted, LiveRun, Plan};
@@ -168,8 +169,25 @@ fn same_settings(was: &Settings, common: &Common) -> Result<(), String> {
         (.., Some(now)) if now != was.start => {
             differs("--start", format!("{:?}", was.start), format!("{now:?}"))
         }
-        _ => Ok(()),
+        _ => match (mapping.laps, mapping.tape) {
+            (Some(now), _) if now != was.laps => {
+                differs("--laps", was.laps.to_string(), now.to_string())
+            }
+            (_, Some(now)) if was.tape != Some(now) => {
+                let unsaid = || "not given".to_owned();
+                differs("--tape", was.tape.map_or_else(unsaid, as_flag), as_flag(now))
+            }
+            _ if mapping.square && !was.square => {
+                differs("--square", "not given".to_owned(), "given".to_owned())
+            }
+            _ => Ok(()),
+        },
     }
+}
+
+/// A taped length as its flag takes it, metres.
+fn as_flag(Tape { from, to, length }: Tape) -> String {
+    format!("{},{}:{},{}={length}", from.x, from.y, to.x, to.y)
 }
 
 /// Maps with the robot at `address`, without a terminal.

@@ -67,8 +67,12 @@ pub fn calibrate(mut args: RunArgs) -> Result<u8, CommandError> {
         let why = "laps: two at least, one way round and the other, or nothing is measured";
         return Err(CommandError::Input(why.to_owned()));
     }
-    args.common.mapping.laps = asked.mapping.laps.or(Some(BOTH_WAYS));
-    args.until = args.until.or(places.until).or(Some(Phase::Shape));
+    args.until = args.until.or(places.until);
+    // One that goes on does so as it was begun.
+    if asked.keeping.resume.is_none() {
+        args.common.mapping.laps = asked.mapping.laps.or(Some(BOTH_WAYS));
+        args.until = args.until.or(Some(Phase::Shape));
+    }
     if args.until == Some(Phase::Boundary) {
         let why =
             "until: shape at least, for the laps are laid on the walls, or nothing is measured";

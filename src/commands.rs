@@ -38,6 +38,23 @@ pub fn dispatch(cli: Cli) -> u8 {
         Some(Command::Ports) => real::ports(),
         Some(Command::Protocol) => output::print(crate::wire::PROTOCOL).map(|()| 0),
     };
+    status(result)
+}
+
+/// Gives the parser's answer to a command line that it does not hand on, and the exit status: help and version
+/// are results, a complaint is talk.
+#[must_use]
+pub fn answer(answer: &clap::Error) -> u8 {
+    if answer.use_stderr() {
+        // That nobody listens changes nothing.
+        let _ = answer.print();
+        return answer.exit_code() as u8;
+    }
+    status(output::printed(answer.print()).map(|()| 0))
+}
+
+/// The exit status of a command; why it could not be done is told.
+fn status(result: Result<u8, CommandError>) -> u8 {
     match result {
         Ok(status) => status,
         Err(CommandError::ReaderGone) => 0,

@@ -6,5 +6,8 @@ use periplus::commands;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    ExitCode::from(commands::dispatch(Cli::parse()))
+    ExitCode::from(match Cli::try_parse() {
+        Ok(cli) => commands::dispatch(cli),
+        Err(answer) => commands::answer(&answer),
+    })
 }

@@ -232,3 +232,64 @@ fn a_robot_that_never_answers_leaves_nothing() {
         assert!(!out.exists(), "something was left");
     }
 }
+
+/// Half of a pair is of no use, and lies about where nobody looks for it.
+#[test]
+fn a_folder_in_the_way_of_a_ros_map_leaves_no_half_of_it() {
+    let dir = place("ros-in-the-way");
+    let square = r#"{"periplus_map":1,"name":"a room","alpha":0.25,"gap":0.34,"start":[1,1,0],
+        "boundary":[[0,0],[2,0],[2,2],[0,2]]}"#;
+    fs::write(dir.join("map.json"), square).expect("a result");
+    for name in ["room", "hall.pgm"] {
+        fs::create_dir(dir.join(name)).expect("a folder");
+    }
+    let from = dir.to_str().expect("a path");
+    for (out, in_the_way) in [("room", "room: "), ("hall.yaml", "hall.pgm: ")] {
+        let to = dir.join(out);
+        let export = ["export", from, "--format", "ros", "--out", to.to_str().expect("a path")];
+        refused(&export, &[in_the_way, "a folder"]);
+        refused(&[&export[..], &["--force"]].concat(), &[in_the_way, "a folder"]);
+    }
+    assert!(!dir.join("room.pgm").exists() && !dir.join("hall.yaml").exists(), "half of a pair");
+}
+
+/// What was asked for and could not be written is not done.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_could_not_be_written_is_told() {
+    for arguments in [&["--help"][..], &["--version"], &["help", "run"]] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
+        let output = Command::new(env!("CARGO_BIN_EXE_periplus"))
+            .args(arguments)
+            .stdout(full)
+            .output()
+            .expect("the program starts");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
+        assert!(told.contains("standard output"), "{arguments:?}: {told}");
+    }
+}
+
+/// The seeds of the two ways of a line come from the robot's, whatever it is.
+#[cfg(unix)]
+#[test]
+fn a_robot_takes_every_seed_that_a_run_takes() {
+    use std::io::{BufRead, BufReader};
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let seed = u64::MAX.to_string();
+    let mut robot = Command::new(env!("CARGO_BIN_EXE_periplus"))
+        .args(["robot", "--world", world, "--port", "tcp://127.0.0.1:0", "--seed", &seed])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut line = String::new();
+    let mut said = BufReader::new(robot.stdout.take().expect("a pipe"));
+    said.read_line(&mut line).expect("its address");
+    let signalled = Command::new("kill").arg(robot.id().to_string()).status().expect("kill");
+    let output = robot.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(signalled.success() && line.starts_with("tcp://"), "{line}{told}");
+    assert_eq!(output.status.code(), Some(143), "{told}");
+}

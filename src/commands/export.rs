@@ -48,6 +48,11 @@ fn ros(args: &ExportArgs) -> Result<u8, CommandError> {
     if folder::is_device(&picture) {
         return refused(format!("{} is in the way of its picture", picture.display()));
     }
+    // Found out by writing, it would leave half of a pair.
+    if let Some(there) = [yaml, &picture].into_iter().find(|file| file.is_dir()) {
+        let why = "there is a folder of that name; name another file";
+        return Err(CommandError::Input(format!("{}: {why}", there.display())));
+    }
     spare_results(&args.dir, yaml)?;
     spare_results(&args.dir, &picture)?;
     let text = result(args, "map.json")?;

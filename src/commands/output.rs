@@ -17,8 +17,15 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 /// # Errors
 /// As [`print()`].
 pub fn print_bytes(bytes: &[u8]) -> Result<(), CommandError> {
-    let mut out = io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
+    printed(io::stdout().lock().write_all(bytes))
+}
+
+/// Sees to it that what was `written` to standard output is there.
+///
+/// # Errors
+/// As [`print()`].
+pub fn printed(written: io::Result<()>) -> Result<(), CommandError> {
+    match written.and_then(|()| io::stdout().lock().flush()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(CommandError::ReaderGone),
         Err(source) => Err(CommandError::System { what: "standard output", source }),

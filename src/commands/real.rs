@@ -385,11 +385,13 @@ pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
         };
         let (noise, seed) =
             (common.robot.noise.unwrap_or_default(), common.robot.seed.unwrap_or(1));
+        // Twice the largest seed is none.
+        let ways = seed.wrapping_mul(2);
         let mut robot = SimulatedRobot {
             device: Device::new(&chassis, &world.name, std::process::id(), speed),
             body: Body::new(&world, &chassis, noise, seed),
             speed,
-            ways: (FaultyWay::new(faults, seed * 2), FaultyWay::new(faults, seed * 2 + 1)),
+            ways: (FaultyWay::new(faults, ways), FaultyWay::new(faults, ways.wrapping_add(1))),
         };
         Ok(robot.serve(end, &signals).await.status())
     })

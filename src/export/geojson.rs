@@ -42,7 +42,7 @@ fn features(record: &RunRecord<'_>) -> Vec<Value> {
             line.reason == Some(LineReason::Redundant) || line.status == LineStatus::Rejected
         };
         let told = plan.lines.iter().filter(|line| whole || !left_out(line));
-        all.extend(told.map(plan_line));
+        all.extend(told.filter_map(plan_line));
     }
     all.extend(paths(record));
     all
@@ -105,10 +105,11 @@ fn beyond(beyond: &Beyond) -> Option<Value> {
     Some(feature("beyond", "Polygon", json!([ring]), json!({ "area": area })))
 }
 
-/// A line through points that do not close; none for fewer than two.
+/// A line through points that do not close; none for fewer than two places.
 fn open(role: &str, points: &[Point], more: Value) -> Option<Value> {
     let line: Vec<[f64; 2]> = points.iter().copied().map(position).collect();
-    (line.len() >= 2).then(|| feature(role, "LineString", json!(line), more))
+    let goes_on = line.iter().any(|place| *place != line[0]);
+    goes_on.then(|| feature(role, "LineString", json!(line), more))
 }
 
 /// An object by what it keeps a body of `radius` metres off; where that is more than its surfaces, these
@@ -136,8 +137,13 @@ fn object(object: &MappedObject, radius: f64) -> Vec<Value> {
     open("object_open", &chain, more).into_iter().collect()
 }
 
-fn plan_line(line: &PlanLine) -> Value {
+/// None for a place that was only gone to: no reader takes a line of no length.
+fn plan_line(line: &PlanLine) -> Option<Value> {
     let (from, to) = line.drive.unwrap_or((line.start, line.end));
+    let ends = [position(from), position(to)];
+    if ends[0] == ends[1] {
+        return None;
+    }
     let status = match line.status {
         // A run that ended in the middle of a line has not driven it.
         LineStatus::Driving => LineStatus::Planned,
@@ -153,7 +159,7 @@ fn plan_line(line: &PlanLine) -> Value {
         "wall_start": position(line.start),
         "wall_end": position(line.end),
     });
-    feature("plan", "LineString", json!([position(from), position(to)]), more)
+    Some(feature("plan", "LineString", json!(ends), more))
 }
 
 /// A vertex of the trajectory: believed and, with a simulator, true position.
@@ -166,7 +172,7 @@ struct Vertex {
 
 /// The trajectory in stretches of one phase each. A stretch begins with the vertex that the one
 /// before it ends with, unless the robot was carried there; `true_path` has the same stretches with
-/// the same vertices.
+/// the same vertices. Where it only turned on the spot there is none.
 fn paths(record: &RunRecord<'_>) -> Vec<Value> {
     let vertices = vertices(record);
     let mut all = Vec::new();
@@ -182,12 +188,15 @@ fn paths(record: &RunRecord<'_>) -> Vec<Value> {
         let on = |vertex: &&Vertex| vertex.boundary == boundary && !vertex.carried;
         let run = vertices[first + 1..].iter().take_while(on).count();
         let stretch = &vertices[first..=first + run];
+        first += run;
+        if stretch.iter().all(|vertex| vertex.believed == stretch[0].believed) {
+            continue;
+        }
         let more = json!({ "phase": if boundary { "boundary" } else { "objects" } });
         let believed: Vec<[f64; 2]> = stretch.iter().map(|vertex| vertex.believed).collect();
         all.push(feature("path", "LineString", json!(believed), more.clone()));
         let truth: Option<Vec<[f64; 2]>> = stretch.iter().map(|vertex| vertex.truth).collect();
         truths.extend(truth.map(|line| feature("true_path", "LineString", json!(line), more)));
-        first += run;
     }
     all.extend(truths);
     all
@@ -249,6 +258,29 @@ mod tests {
         }
         let line = |k: usize| paths[k]["geometry"]["coordinates"].as_array().expect("line");
         assert_eq!(line(0).last(), line(1).first(), "no gap between stretches");
+    }
+
+    #[test]
+    fn what_goes_nowhere_is_no_line() {
+        let mut sample = sample::room();
+        let plan = sample.map.plan.as_mut().expect("a plan");
+        let spot = plan.lines[0].start;
+        (plan.lines[0].end, plan.lines[0].drive) = (spot, Some((spot, spot)));
+        plan.lines[0].status = LineStatus::Driven;
+        // Turned on the spot, and was stopped there.
+        sample.map.path.truncate(2);
+        let stood = sample.map.path[0].clone();
+        sample.map.path[1].pose.position = stood.pose.position;
+        sample.truth.truncate(2);
+        sample.map.closed = false;
+        let touched = sample.map.contacts[0];
+        sample.map.contacts = vec![touched; 2];
+        for line in parsed(&sample.record()) {
+            let geometry = &line["geometry"];
+            let places = geometry["coordinates"].as_array().expect("places");
+            let line = geometry["type"] != "LineString" || places.iter().any(|p| *p != places[0]);
+            assert!(line, "a line of no length: {geometry}");
+        }
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub struct RobotChoice {
     /// Serial port or tcp://HOST:PORT of a real robot
     #[arg(long, value_name = "DEVICE", conflicts_with_all = ["world", "noise"])]
     pub port: Option<String>,
-    /// Speed of the serial port, bits a second
+    /// Speed of the serial port, bits a second, from 9600 up [default: 115200]
     #[arg(
         long,
         value_name = "N",
@@ -117,10 +117,11 @@ pub struct RobotArgs {
     /// Speak through this serial port, or to whoever comes to tcp://HOST:PORT
     #[arg(long, value_name = "DEVICE")]
     pub port: Option<String>,
-    /// Times as fast as life
+    /// Times as fast as life, 0.1 to 1000 [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub speed: Option<f64>,
-    /// What the line does to the bytes, e.g. drop=0.05,flip=0.01,double=0.01,swap=0.01,delay=0.2
+    /// What the line does to the bytes, shares of them and the longest delay in seconds, e.g.
+    /// drop=0.05,flip=0.01,double=0.01,swap=0.01,delay=0.2 [default: nothing]
     #[arg(long, value_name = "LIST")]
     pub faults: Option<String>,
     /// The robot that is simulated.
@@ -254,6 +255,23 @@ mod tests {
     #[test]
     fn the_command_table_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn help_tells_what_holds_when_nothing_is_said_and_how_far_a_value_goes() {
+        let mut cli = Cli::command();
+        let mut told = |command: &str, flag: &str| {
+            let found = cli.find_subcommand_mut(command).expect("a command");
+            let mut all = found.get_arguments();
+            let argument = all.find(|argument| argument.get_long() == Some(flag)).expect("a flag");
+            argument.get_help().expect("help").to_string()
+        };
+        let (speed, laps) = (crate::link::port::BAUD, crate::mapping::settings::MOST_LAPS);
+        assert!(told("run", "baud").contains(&format!("[default: {speed}]")));
+        assert!(told("console", "laps").contains(&format!("1 to {laps}")));
+        assert!(told("run", "start").contains("at a port 0,0,0"));
+        assert!(told("robot", "speed").contains("0.1 to 1000 [default: 1]"));
+        assert!(told("robot", "faults").contains("seconds"));
     }
 
     /// The flags that a command knows.

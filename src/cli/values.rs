@@ -42,7 +42,7 @@ pub struct MappingFlags {
     /// How an object met on a line is gone round [default: full-loop]
     #[arg(long, value_name = "CONTOUR", value_parser = contour())]
     pub contour: Option<Contour>,
-    /// Laps of the boundary; each after the first goes the other way round and is averaged in
+    /// Laps of the boundary, 1 to 9; each after the first goes the other way round and is averaged in
     /// [default: 1; to calibrate 2]
     #[arg(long, value_name = "N", value_parser = laps, allow_negative_numbers = true)]
     pub laps: Option<u32>,
@@ -63,7 +63,8 @@ pub struct RobotFlags {
     /// Seed of everything random [default: 1]
     #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's]
+    /// Start pose: metres, and degrees counter-clockwise from +x [default: the world's; at a port
+    /// 0,0,0]
     #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
     pub start: Option<Pose>,
     /// File, line and key that the start came from; none when it is a flag's.

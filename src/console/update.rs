@@ -395,3 +395,4 @@ fn paged(key: Key, action: Option<Action>, scroll: u16, end: u16) -> Option<u16>
 
 #[cfg(test)]
 mod tests;
+    let scroll = scroll.min(end);

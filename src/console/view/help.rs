@@ -134,6 +134,9 @@ pub(super) fn draw_page(
     area: Rect,
     buf: &mut Buffer,
 ) {
+    // It was scrolled on a screen that may have been smaller, of a page that may have been longer.
+    let last = last_scroll_of(lines.len(), area.height);
+    let scroll = scroll.min(last);
     let frame = Rect::new(area.x, area.y + 1, area.width, area.height.saturating_sub(2));
     let mut pen = Pen::new(buf, theme, frame);
     pen.clear(frame);
@@ -143,7 +146,44 @@ pub(super) fn draw_page(
     for (y, line) in (frame.y + 2..frame.bottom() - 1).zip(shown) {
         pen.pieces(frame.x + 2, y, line);
     }
-    if scroll < last_scroll_of(lines.len(), area.height) {
+    if scroll < last {
         pen.text_right(frame.right() - 2, frame.bottom() - 1, " more below ", Role::Title);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::console::Keymap;
+    use crate::console::frame::planes;
+    use crate::console::key::Key;
+    use crate::console::model::Overlay;
+    use crate::console::update::press;
+    use crate::geometry::Pose;
+    use crate::mapping::settings::Settings;
+    use crate::session::Snapshot;
+
+    /// Its lines are fewer on a wide screen, and more of them are in view on a high one.
+    #[test]
+    fn scrolled_to_its_end_on_a_small_screen_it_is_not_empty_on_a_large_one() {
+        let snapshot = Snapshot::waiting(Settings::new(Pose::new(0.0, 0.0, 0.0)), "nowhere");
+        let mut model = Model::new(60, 16, Keymap::default());
+        let key = |model: &mut Model, name: &str| {
+            let key = Key::parse(name).expect("a key");
+            assert!(press(model, &snapshot, key).is_empty(), "{name} did something");
+        };
+        key(&mut model, "?");
+        for _ in 0..100 {
+            key(&mut model, "pagedown");
+        }
+        model.size = (160, 40);
+        let seen = |model: &Model| planes(model, &snapshot).0;
+        let end = seen(&model);
+        let filled = end.lines().filter(|line| !line.trim().is_empty()).count();
+        assert!(filled > 30, "a page of {filled} lines:\n{end}");
+        assert!(end.contains("stretches of the outline") && !end.contains("more below"), "{end}");
+        key(&mut model, "up");
+        assert!(matches!(model.overlay, Overlay::Help(_)));
+        assert_ne!(seen(&model), end, "the first key up scrolls");
     }
 }

@@ -7,6 +7,7 @@ use crate::console::action::{ACTIONS, Action, ActionInfo, Group};
 use crate::console::command::Command;
 use crate::console::model::{Hint, Model, Overlay};
 use crate::console::prompt::Prompt;
+use crate::console::sanitize::clean;
 use crate::console::theme::{Role, Theme};
 use crate::console::update::may_move;
 use crate::mapping::map::Phase;
@@ -59,11 +60,9 @@ fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, prompt: &P
     let x = pen.text(area.x + 1, area.y, ":", Role::Key);
     let (before, under, after) = prompt.around_cursor();
     // The cursor stays in view, and as much of what is before it as there is room for.
-    let room = usize::from(area.width / 2);
-    let skip = before.chars().count().saturating_sub(room);
-    let before: String = before.chars().skip(skip).collect();
-    let left = room.saturating_sub(before.chars().count());
-    let after: String = after.chars().take(left).collect();
+    let (before, left) = fitting(before.chars().rev(), area.width / 2);
+    let before: String = before.into_iter().rev().collect();
+    let after: String = fitting(after.chars(), left).0.into_iter().collect();
     let x = pen.text(x, area.y, &before, Role::Value);
     let x = if under.is_empty() {
         pen.text(x, area.y, "▏", Role::Key)
@@ -78,6 +77,20 @@ fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, prompt: &P
         Command::candidates(prompt.text(), steered).take(6).collect::<Vec<_>>().join("  ")
     };
     pen.text(x + 2, area.y, &help, Role::Muted);
+}
+
+/// As many of `letters` as `room` has columns for, some are two wide, and the columns that are left.
+fn fitting(letters: impl Iterator<Item = char>, room: u16) -> (Vec<char>, u16) {
+    let mut left = room;
+    let fits = |letter: &char| {
+        let wide = width(&clean(letter.encode_utf8(&mut [0; 4])));
+        wide <= left && {
+            left -= wide;
+            true
+        }
+    };
+    let fitting = letters.take_while(fits).collect();
+    (fitting, left)
 }
 
 fn draw_keys(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, mut x: u16, area: Rect) {
@@ -169,4 +182,33 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
             Action::ToggleTrajectory | Action::TogglePlan | Action::Square => over,
             _ => true,
         }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::console::Keymap;
+    use crate::console::frame::planes;
+    use crate::geometry::Pose;
+    use crate::mapping::settings::Settings;
+
+    fn some(cols: u16, rows: u16) -> (Model, Snapshot) {
+        let snapshot = Snapshot::waiting(Settings::new(Pose::new(0.0, 0.0, 0.0)), "nowhere");
+        (Model::new(cols, rows, Keymap::default()), snapshot)
+    }
+
+    /// A folder may be named in letters that are two columns wide each.
+    #[test]
+    fn the_cursor_stays_in_view_however_wide_the_letters_are() {
+        let (mut model, snapshot) = some(80, 24);
+        for letter in ['x', '室', '\u{200b}'] {
+            for count in 0..120 {
+                let line = format!("export={}", letter.to_string().repeat(count));
+                model.overlay = Overlay::Line(line.as_str().into());
+                let (symbols, _) = planes(&model, &snapshot);
+                let prompt = symbols.lines().last().expect("the footer");
+                assert!(prompt.contains('▏'), "{count} times {letter:?}: {prompt}");
+            }
+        }
+    }
 }

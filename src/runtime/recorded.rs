@@ -90,11 +90,13 @@ impl RecordedDriver {
 
     fn step(&mut self, until: Landmark) {
         self.playing = false;
-        let before = self.time();
-        // What happened at one instant, three phases that ended say, is seen at once.
+        let version = |replay: &Replay| replay.session().version();
+        let before = version(&self.replay);
+        // What one message of the robot or one wish of its operator led to, three phases that ended say, is
+        // seen at once. What the operator paused for is seen by itself, although it took the robot no time.
         loop {
             self.replay.advance_until(until);
-            if self.time() > before || self.replay.is_over() {
+            if version(&self.replay) != before || self.replay.is_over() {
                 break;
             }
         }
@@ -189,6 +191,7 @@ mod tests {
     use crate::export::native::MapFile;
     use crate::journal::reader::parse;
     use crate::journal::{Entry, Header, Journal};
+    use crate::mapping::map::Phase;
     use crate::mapping::settings::Settings;
     use crate::robot::Telemetry;
     use crate::runtime::simulated::{Headless, SimulatedRun};
@@ -196,8 +199,10 @@ mod tests {
     use crate::simulator::{NoiseProfile, World};
     use std::path::PathBuf;
 
-    /// The record of a whole run of a small room with noise.
-    fn record() -> Vec<u8> {
+    const PHASES: [Phase; 4] = [Phase::Boundary, Phase::Shape, Phase::Plan, Phase::Objects];
+
+    /// A run of a small room with noise, and where its record goes.
+    fn begun() -> (SimulatedRun<Shared>, Shared) {
         let text = include_str!("../../sims/rectangle.toml");
         let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
         let settings = Settings { seed: 4, ..Settings::new(world.start) };
@@ -208,15 +213,38 @@ mod tests {
             until: None,
             robot: None,
         };
-        let bytes = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
-        let journal = Journal::begin(Shared(bytes.clone()), &header).expect("memory");
-        let run = SimulatedRun::new(&world, header, NoiseProfile::Calibrated, Some(journal));
+        let bytes = Shared::default();
+        let journal = Journal::begin(bytes.clone(), &header).expect("memory");
+        (SimulatedRun::new(&world, header, NoiseProfile::Calibrated, Some(journal)), bytes)
+    }
+
+    /// The record of a whole run.
+    fn record() -> Vec<u8> {
+        let (run, bytes) = begun();
         let mut headless = Headless::new(run);
         while headless.step() == Step::Going {}
         headless.finish_journal().expect("memory");
-        bytes.take()
+        bytes.0.take()
     }
 
+    /// The record of one that its operator took from phase to phase, and changed the plan of.
+    fn record_in_steps() -> Vec<u8> {
+        let (mut run, bytes) = begun();
+        for phase in PHASES {
+            if phase == Phase::Objects {
+                run.intent(Intent::SetAlpha { alpha: 0.3 });
+                run.intent(Intent::SetAlpha { alpha: 0.5 });
+            }
+            run.intent(Intent::StepPhase);
+            while run.is_under_way() {
+                run.advance();
+            }
+        }
+        run.hand_record_on();
+        bytes.0.take()
+    }
+
+    #[derive(Clone, Default)]
     struct Shared(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
 
     impl std::io::Write for Shared {
@@ -321,5 +349,30 @@ mod tests {
         assert!(progress[2].done && !progress[3].done, "{progress:?}");
         driver.intent(Intent::StepPhase);
         assert!(driver.snapshot().time > time && driver.snapshot().progress[3].done);
+    }
+
+    /// Thinking takes no time of the robot's: shape and plan end at the instant at which the lap closed. Who
+    /// paused there sees there again what there was to see.
+    #[test]
+    fn where_the_operator_paused_between_two_phases_the_playback_does_too() {
+        let mut driver = RecordedDriver::new(Replay::new(read(&record_in_steps())));
+        for phase in PHASES {
+            driver.intent(Intent::StepPhase);
+            let done = driver.snapshot().progress.map(|progress| progress.done);
+            assert_eq!(done, PHASES.map(|other| other <= phase), "{phase}");
+        }
+        // Each α that was tried has its plan.
+        driver.go_to(0.0).expect("the beginning");
+        let mut alphas = Vec::new();
+        loop {
+            let snapshot = driver.snapshot();
+            alphas.extend(snapshot.map.plan.map(|plan| plan.alpha));
+            if driver.replay().is_over() {
+                break;
+            }
+            driver.intent(Intent::StepEvent);
+        }
+        alphas.dedup();
+        assert_eq!(alphas, [0.25, 0.3, 0.5]);
     }
 }

@@ -147,7 +147,7 @@ impl Command {
             "placed" => Ok(Self::Placed(Some(argument.parse()?))),
             "speed" => parse_speed(argument).map(Self::Speed),
             "at" => {
-                let seconds: Option<f64> = argument.trim_end_matches('s').trim().parse().ok();
+                let seconds: Option<f64> = without_unit(argument, 's').parse().ok();
                 let instant = |seconds: &f64| seconds.is_finite() && *seconds >= 0.0;
                 seconds.filter(instant).map(Self::At).ok_or(CommandError::At)
             }
@@ -191,8 +191,13 @@ fn names() -> impl Iterator<Item = &'static str> {
     COMMANDS.iter().map(|&(name, ..)| name).chain(ACTIONS.iter().map(|info| info.name))
 }
 
+/// `text` without the unit that it may end with. Not without two of them: millimetres are no metres.
+fn without_unit(text: &str, unit: char) -> &str {
+    text.strip_suffix(unit).unwrap_or(text).trim()
+}
+
 fn parse_alpha(text: &str) -> Result<f64, CommandError> {
-    let value: Result<f64, _> = text.trim_end_matches('m').trim().parse();
+    let value: Result<f64, _> = without_unit(text, 'm').parse();
     value.ok().filter(|alpha| (ALPHA.0..=ALPHA.1).contains(alpha)).ok_or(CommandError::Alpha)
 }
 
@@ -200,8 +205,8 @@ fn parse_wall(text: &str) -> Result<Command, CommandError> {
     let (wall, length) = text.split_once(['=', ' ']).ok_or(CommandError::TapeWall)?;
     let wall: Option<usize> = wall.trim()[1..].parse().ok();
     let wall = wall.and_then(|wall| wall.checked_sub(1)).ok_or(CommandError::TapeWall)?;
-    let length = length.trim_start_matches(['=', ' ']).trim_end_matches('m').trim();
-    match length.parse::<f64>() {
+    let length = length.trim_start_matches(['=', ' ']).trim_end();
+    match without_unit(length, 'm').parse::<f64>() {
         Ok(metres) if metres.is_finite() => Ok(Command::TapeWall { wall, length: metres }),
         _ if length.is_empty() => Err(CommandError::TapeWall),
         _ => Err(CommandError::TapeLength { text: length.to_owned() }),
@@ -253,6 +258,11 @@ mod tests {
             ("alpha nan", "alpha needs metres"),
             ("alpha 0", "alpha needs metres"),
             ("alpha inf", "alpha needs metres"),
+            ("alpha 2 mm", "alpha needs metres"),
+            ("alpha=.3mm", "alpha needs metres"),
+            ("tape W3=4.02mm", "`4.02mm` is no number"),
+            ("tape 0,0:5,0=5.02 mm", "a taped length is X,Y:X,Y=M"),
+            ("at 2ss", "at needs seconds"),
             ("tape 5", "a taped length is X,Y:X,Y=M"),
             ("tape 0,0:5,0=0.1", "a taped length is 0.2 m at least"),
             ("tape W=3", "a wall's taped length is WALL=M"),

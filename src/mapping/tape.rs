@@ -111,7 +111,8 @@ impl FromStr for Tape {
 
     fn from_str(text: &str) -> Result<Self, TapeError> {
         let number = |text: &str| -> Result<f64, TapeError> {
-            let value = text.trim().trim_end_matches('m').trim_end().parse();
+            let value = text.trim();
+            let value = value.strip_suffix('m').unwrap_or(value).trim_end().parse();
             value.ok().filter(|value: &f64| value.is_finite()).ok_or(TapeError::Form)
         };
         let point = |text: &str| {

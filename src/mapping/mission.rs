@@ -285,7 +285,7 @@ impl Mission {
             Task::Retrace(retrace) => Some(retrace.share(&self.tracker)),
             Task::Tour(tour) | Task::Relocate(_, tour) => Some(tour.share()),
             Task::Shape | Task::Plan => Some(0.0),
-            Task::Over => Some(1.0),
+            Task::Over => (self.outcome == Outcome::Complete).then_some(1.0),
         }
     }
 

@@ -176,3 +176,22 @@ fn nothing_is_placed_after_the_run() {
     });
     assert!(told, "{out:?}");
 }
+
+/// A run that has ended did not come to the end of the phase that it was in.
+#[test]
+fn a_phase_in_which_the_run_ended_is_not_said_to_have_come_to_its_end() {
+    let (mut session, mut out) = begun(settings(), Phase::Objects, Intent::Run);
+    // Wherever it is told to go, it is held.
+    for second in 2..1000_u32 {
+        let Some(told) = command(&out) else { break };
+        out.clear();
+        let (id, reason, switches) = (told.id, DoneReason::Bumper, SwitchSet::EMPTY);
+        let odometer = odometer(f64::from(second), 0);
+        let done = Telemetry::Done { id, reason, odometer, switches, bumper: true };
+        session.telemetry(&done, &mut out);
+    }
+    let snapshot = session.snapshot();
+    assert_eq!(snapshot.run, RunState::Failed(Failure::Boxed));
+    assert_eq!(snapshot.phase, Phase::Boundary);
+    assert_eq!(snapshot.progress.map(|phase| phase.share), [None; 4]);
+}

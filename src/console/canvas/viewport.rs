@@ -10,8 +10,8 @@ pub const DOTS_X: u16 = 2;
 pub const DOTS_Y: u16 = 4;
 /// The finest scale, metres per dot: a robot fills a large screen.
 pub const FINEST: f64 = 0.0005;
-/// The coarsest scale, metres per dot: a kilometre across a large screen.
-pub const COARSEST: f64 = 2.5;
+/// The coarsest scale, metres per dot: a room of a kilometre is a quarter of a small screen.
+pub const COARSEST: f64 = 100.0;
 
 /// A rectangle of the map frame laid over a rectangle of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -203,3 +203,48 @@ fn any_key_but_yes_is_no() {
         assert_eq!(model.overlay, Overlay::None, "{name} is an answer");
     }
 }
+
+#[test]
+fn a_room_as_large_as_there_are_any_is_shown_whole_on_the_smallest_screen() {
+    let (model, mut snapshot) = waiting();
+    for corner in [(0.0, 0.0), (1000.0, 0.0), (0.0, 1000.0)] {
+        snapshot.robot = Known::Known(RobotView {
+            pose: Some(Pose::new(corner.0, corner.1, 0.0)),
+            position_sd: 0.0,
+            switches: SwitchSet::default(),
+            bumper: false,
+            moving: false,
+            needs_place: false,
+        });
+        let map = Regions::of(60, 16).expect("large enough").map;
+        let view = viewport(&model.camera, &snapshot, map);
+        for (x, y) in [corner, (0.0, 0.0)] {
+            assert!(view.to_cell(Point::new(x, y)).is_some(), "{x}, {y} is out of view");
+        }
+        let (symbols, _) =
+            crate::console::frame::planes(&Model::new(60, 16, Keymap::default()), &snapshot);
+        assert!(
+            symbols.lines().nth(10).is_some_and(|row| row.contains(" m")),
+            "a scale:\n{symbols}"
+        );
+    }
+}
+
+#[test]
+fn the_title_of_the_map_leaves_that_of_the_panel_alone() {
+    let (mut model, snapshot) = waiting();
+    for (cols, rows) in [(60, 16), (76, 24), (80, 24), (120, 40)] {
+        model.size = (cols, rows);
+        for action in
+            [Action::ZoomIn, Action::Follow, Action::ZoomOut, Action::Fit, Action::PanLeft]
+        {
+            perform(&mut model, &snapshot, action);
+            for _ in 0..20 {
+                perform(&mut model, &snapshot, Action::ZoomOut);
+            }
+            let (symbols, _) = crate::console::frame::planes(&model, &snapshot);
+            let row = symbols.lines().find(|row| row.contains(" map · ")).expect("a title");
+            assert!(row.contains("┬─ robot ─") && row.contains(" m shown"), "{row}");
+        }
+    }
+}

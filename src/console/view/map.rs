@@ -4,6 +4,7 @@
 mod labels;
 
 use super::pen::Pen;
+use super::words;
 use crate::console::action::Action;
 use crate::console::canvas::viewport::{DOTS_Y, Viewport};
 use crate::console::canvas::{Canvas, Pattern};
@@ -210,7 +211,10 @@ fn draw_scale(canvas: &Canvas, theme: &Theme, area: Rect, buf: &mut Buffer) {
     let view = canvas.view();
     let cell = view.scale * 2.0;
     let most = f64::from(area.width) * cell / 4.0;
-    let lengths = [50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
+    let lengths = [
+        2000.0, 1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05,
+        0.02, 0.01,
+    ];
     let Some(length) = lengths.into_iter().find(|length| *length <= most) else {
         return;
     };
@@ -242,17 +246,22 @@ pub fn draw_title(
         format!("{width:.1} × {height:.1} m shown")
     };
     let room = snapshot.map.shape.as_ref().and_then(|shape| shape.outline.bounds());
+    // The longest that has room: beside it is the title of the panel.
     let what = match (model.camera, room) {
         (Camera::Fit, Some((low, high))) => {
-            format!("room {:.2} × {:.2} m", high.x - low.x, high.y - low.y)
+            vec![format!("room {:.2} × {:.2} m", high.x - low.x, high.y - low.y)]
         }
-        (Camera::Fit, None) => shown,
-        (Camera::Follow { .. }, _) => format!("{shown} · following"),
+        (Camera::Fit, None) => vec![shown],
+        (Camera::Follow { .. }, _) => vec![format!("{shown} · following"), shown],
         (Camera::Free { .. }, _) => {
-            format!("{shown} · free view, {} fits", model.keymap.way(Action::Fit))
+            let fit = model.keymap.way(Action::Fit);
+            vec![format!("{shown} · free view, {fit} fits"), format!("{shown}, {fit} fits"), shown]
         }
     };
-    let title = format!(" map · {what} ");
-    let mut pen = Pen::new(buf, theme, regions.top_rule);
-    pen.text(regions.top_rule.x + 2, regions.top_rule.y, &title, Role::Title);
+    let titles = what.into_iter().map(|what| format!(" map · {what} ")).collect();
+    let rule = Rect { width: regions.map.width, ..regions.top_rule };
+    let mut pen = Pen::new(buf, theme, rule);
+    if let Some(title) = words::shortened(titles, rule.width.saturating_sub(3)) {
+        pen.text(rule.x + 2, rule.y, &title, Role::Title);
+    }
 }

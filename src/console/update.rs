@@ -158,6 +158,10 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::SpeedUp => return set_speed(model, Speed::faster),
         Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
         Action::LapAnew => return vec![Effect::Intent(Intent::LapAnew)],
+        Action::Square if snapshot.run.is_over() && snapshot.map.shape.is_none() => {
+            let text = "no outline was found: there is nothing to square";
+            return refuse(model, text.to_owned());
+        }
         Action::Square => return vec![Effect::Intent(Intent::Square)],
         Action::Finish if snapshot.run.is_over() => {
             return refuse(model, "the run is over already".to_owned());
@@ -339,8 +343,35 @@ fn toggle(model: &mut Model, snapshot: &Snapshot, action: Action) {
         model.log_detail = !model.log_detail;
         model.log_detail
     };
-    let state = if shown { "shown" } else { "hidden" };
+    let state = seen(snapshot, action, shown);
     tell(model, format!("{}: {state}", action.info().name));
+}
+
+/// What comes of it that a layer is to be `shown` or not: what there is not yet cannot be seen yet, and without
+/// an outline the contacts are the map.
+fn seen(snapshot: &Snapshot, action: Action, shown: bool) -> &'static str {
+    let Snapshot { map, run, .. } = snapshot;
+    match action {
+        Action::ToggleContacts if map.shape.is_none() && run.is_over() => {
+            "shown, since there is no outline"
+        }
+        Action::ToggleContacts if map.shape.is_none() && shown => {
+            "shown, and still when there is an outline"
+        }
+        Action::ToggleContacts if map.shape.is_none() => {
+            "shown as long as there is no outline, then hidden"
+        }
+        _ if !shown => "hidden",
+        Action::ToggleWalls if map.shape.is_none() && run.is_over() => "there is no outline",
+        Action::ToggleWalls if map.shape.is_none() => "shown as soon as there is an outline",
+        Action::TogglePlan | Action::ToggleRejected if map.plan.is_none() && run.is_over() => {
+            "there is no plan"
+        }
+        Action::TogglePlan | Action::ToggleRejected if map.plan.is_none() => {
+            "shown as soon as there is a plan"
+        }
+        _ => "shown",
+    }
 }
 
 fn look(model: &mut Model, snapshot: &Snapshot, action: Action) {
@@ -381,6 +412,7 @@ fn pan(model: &mut Model, snapshot: &Snapshot, direction: Vector) {
 
 /// How far a page that lies over the screen is scrolled after a key; none when the key leaves it.
 fn paged(key: Key, action: Option<Action>, scroll: u16, end: u16) -> Option<u16> {
+    let scroll = scroll.min(end);
     let scroll = match action {
         Some(Action::PanDown) => scroll.saturating_add(1),
         Some(Action::PanUp) => scroll.saturating_sub(1),
@@ -395,4 +427,3 @@ fn paged(key: Key, action: Option<Action>, scroll: u16, end: u16) -> Option<u16>
 
 #[cfg(test)]
 mod tests;
-    let scroll = scroll.min(end);

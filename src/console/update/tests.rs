@@ -205,6 +205,62 @@ fn any_key_but_yes_is_no() {
 }
 
 #[test]
+fn what_a_toggle_says_is_so_now_or_it_says_when() {
+    let (mut model, mut snapshot) = waiting();
+    let says = |model: &mut Model, snapshot: &Snapshot, action| {
+        perform(model, snapshot, action);
+        model.hint.take().expect("a remark").text
+    };
+    let outline = "as soon as there is an outline";
+    let contacts = says(&mut model, &snapshot, Action::ToggleContacts);
+    assert_eq!(contacts, "contacts: shown, and still when there is an outline");
+    let contacts = says(&mut model, &snapshot, Action::ToggleContacts);
+    assert_eq!(contacts, "contacts: shown as long as there is no outline, then hidden");
+    let walls = says(&mut model, &snapshot, Action::ToggleWalls);
+    assert_eq!(walls, format!("walls: shown {outline}"));
+    assert_eq!(says(&mut model, &snapshot, Action::ToggleWalls), "walls: hidden");
+    let rejected = says(&mut model, &snapshot, Action::ToggleRejected);
+    assert_eq!(rejected, "rejected: shown as soon as there is a plan");
+    assert_eq!(says(&mut model, &snapshot, Action::TogglePlan), "plan: hidden");
+    assert_eq!(says(&mut model, &snapshot, Action::ToggleRejected), "rejected: hidden");
+    snapshot.run = RunState::Failed(Failure::Ended);
+    let plan = says(&mut model, &snapshot, Action::TogglePlan);
+    assert_eq!(plan, "plan: there is no plan");
+    assert_eq!(says(&mut model, &snapshot, Action::ToggleTrajectory), "trajectory: shown");
+}
+
+/// A run may end before anything was fitted: then there is nothing to square, nor a plan to show.
+#[test]
+fn at_the_end_only_what_there_is_is_offered() {
+    let (mut model, mut snapshot) = waiting();
+    snapshot.run = RunState::Failed(Failure::LapEndless);
+    let footer = |model: &Model, snapshot: &Snapshot| {
+        let (symbols, _) = crate::console::frame::planes(model, snapshot);
+        symbols.lines().last().expect("a footer").to_owned()
+    };
+    model.size = (160, 40);
+    let none = footer(&model, &snapshot);
+    assert!(!none.contains("square") && !none.contains("plan") && none.contains("2 way"), "{none}");
+    assert!(perform(&mut model, &snapshot, Action::Square).is_empty());
+    assert_eq!(
+        model.hint.take().expect("a remark").text,
+        "no outline was found: there is nothing to square"
+    );
+    model.overlay = Overlay::List(0);
+    let (list, _) = crate::console::frame::planes(&model, &snapshot);
+    assert!(list.contains("nothing: the run ended before"), "{list}");
+    model.overlay = Overlay::None;
+    snapshot.map.shape = Some(crate::mapping::map::Shape {
+        class: crate::mapping::map::ShapeClass::Convex,
+        outline: crate::geometry::Ring::default(),
+        vertices: Vec::new(),
+        parts: Vec::new(),
+    });
+    assert!(footer(&model, &snapshot).contains("S square"));
+    assert_eq!(perform(&mut model, &snapshot, Action::Square), [Effect::Intent(Intent::Square)]);
+}
+
+#[test]
 fn a_room_as_large_as_there_are_any_is_shown_whole_on_the_smallest_screen() {
     let (model, mut snapshot) = waiting();
     for corner in [(0.0, 0.0), (1000.0, 0.0), (0.0, 1000.0)] {

@@ -43,7 +43,11 @@ fn lines(snapshot: &Snapshot, cols: u16) -> Vec<Line> {
     lines.extend(gaps(map));
     lines.extend(lines_left(map, cols));
     if lines.is_empty() {
-        let nothing = "nothing yet: the outline is known when the lap has closed and was fitted";
+        let nothing = if snapshot.run.is_over() {
+            "nothing: the run ended before a lap had closed and was fitted"
+        } else {
+            "nothing yet: the outline is known when the lap has closed and was fitted"
+        };
         let wrapped = words::wrap(nothing, cols.saturating_sub(5));
         lines.extend(wrapped.into_iter().map(|line| vec![(Role::Unknown, line)]));
     }

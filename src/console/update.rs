@@ -240,12 +240,17 @@ fn is_nowhere(snapshot: &Snapshot) -> bool {
     robot.needs_place
 }
 
+/// What is said of a robot that is not there to be told anything.
+const NOT_HEARD: &str = "the robot is not heard: see to the link, or quit and --resume";
+
 fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
     let mut standing = Standing { latched: false, ..Standing::of(snapshot) };
     let text = if snapshot.run == RunState::Stopped {
         standing.run = RunState::Paused;
         if is_nowhere(snapshot) {
             format!("stop cleared; {}", say_where(model, snapshot))
+        } else if matches!(snapshot.robot, Known::Stale { .. }) {
+            format!("stop cleared; {NOT_HEARD}")
         } else {
             format!("stop cleared; {} runs on", model.keymap.way(Action::RunPause))
         }
@@ -281,8 +286,7 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     }
     // A robot that is not there is not told to drive; that it is to pause can do no harm.
     if matches!(snapshot.robot, Known::Stale { .. }) && intent != Intent::Pause {
-        let text = "the robot is not heard: see to the link, or quit and --resume";
-        return refuse_now(model, snapshot, text.to_owned());
+        return refuse_now(model, snapshot, NOT_HEARD.to_owned());
     }
     vec![Effect::Intent(intent)]
 }

@@ -304,3 +304,28 @@ fn the_title_of_the_map_leaves_that_of_the_panel_alone() {
         }
     }
 }
+
+#[test]
+fn who_clears_the_stop_of_a_robot_that_is_not_heard_is_not_told_that_it_runs_on() {
+    let (mut model, mut snapshot) = waiting();
+    (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+    let value = RobotView {
+        pose: Some(Pose::new(0.0, 0.0, 0.0)),
+        position_sd: 0.0,
+        switches: SwitchSet::default(),
+        bumper: false,
+        moving: false,
+        needs_place: false,
+    };
+    let mut said = |robot: Known<RobotView>| {
+        snapshot.robot = robot;
+        assert_eq!(perform(&mut model, &snapshot, Action::ClearStop).len(), 1);
+        model.hint.take().expect("a remark").text
+    };
+    assert_eq!(said(Known::Known(value)), "stop cleared; r runs on");
+    let unheard = said(Known::Stale { value, age: 9.0 });
+    assert_eq!(
+        unheard,
+        "stop cleared; the robot is not heard: see to the link, or quit and --resume"
+    );
+}

@@ -214,7 +214,7 @@ impl Session {
     pub fn intent(&mut self, intent: Intent, out: &mut Vec<Outgoing>) {
         self.version += 1;
         let over = matches!(self.run, RunState::Complete | RunState::Failed(_));
-        let no_lap_dropped = self.no_lap_dropped();
+        let (no_lap, no_lap_dropped) = (self.no_lap(), self.no_lap_dropped());
         match intent {
             Intent::Stop => {
                 out.push(Outgoing::Stop);
@@ -246,11 +246,9 @@ impl Session {
                 "tape not used: lines of the plan are driven already",
                 out,
             ),
-            Intent::LapAgain => self.wish(
-                |mission, told| !over && mission.lap_again(told),
-                "no lap now: lines of the plan are driven already, or the run is over",
-                out,
-            ),
+            Intent::LapAgain => {
+                self.wish(|mission, told| !over && mission.lap_again(told), no_lap, out)
+            }
             Intent::LapAnew => {
                 self.wish(|mission, told| !over && mission.lap_anew(told), no_lap_dropped, out);
             }
@@ -288,8 +286,25 @@ impl Session {
         self.go_on(out);
     }
 
+    /// Whether all that keeps the operator from another lap is that nobody knows where the robot is.
+    fn has_to_find_its_place(&self) -> bool {
+        self.mission.is_lost() && self.mission.plan_is_open()
+    }
+
+    /// Why no other lap can be driven, where none can.
+    fn no_lap(&self) -> &'static str {
+        if self.has_to_find_its_place() {
+            "no lap now: the robot has to find its place first"
+        } else {
+            "no lap now: lines of the plan are driven already, or the run is over"
+        }
+    }
+
     /// Why no lap can be dropped, where none can.
     fn no_lap_dropped(&self) -> &'static str {
+        if self.has_to_find_its_place() {
+            return "no lap is dropped: the robot has to find its place first";
+        }
         let again = self.mission.phase() == Phase::Boundary && self.mission.map().closed;
         if again && self.mission.is_moving() {
             "no lap is dropped while the robot moves: stop it first"

@@ -173,6 +173,7 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
             // A lap has closed, and nothing was made of it yet that driving would spoil.
             Action::LapAgain | Action::LapAnew => {
                 snapshot.run == RunState::Paused
+                    && super::map::placed(snapshot).is_some()
                     && matches!(snapshot.phase, Phase::Shape | Phase::Plan)
             }
             Action::AlphaDown | Action::AlphaUp => snapshot.alpha_is_open,

@@ -1,4 +1,4 @@
-//! Worlds as GeoJSON in metres, as traced from real places.
+//! Worlds as GeoJSON in metres: as traced from real places, or as a robot has mapped them.
 
 use super::{Draft, World, WorldError, WorldObject, outline};
 use crate::geometry::{Pose, Ring, angle};
@@ -9,6 +9,9 @@ use serde_json::Value;
 struct Collection {
     #[serde(rename = "type")]
     kind: Option<String>,
+    /// What a map is called.
+    #[serde(default)]
+    name: Value,
     #[serde(default)]
     properties: Value,
     #[serde(default)]
@@ -28,6 +31,18 @@ struct Geometry {
     kind: String,
     coordinates: Value,
 }
+
+/// What a map tells besides of how it came about, and of what it could not reach: nothing to run into.
+const TOLD_BY_A_MAP: [&str; 8] = [
+    "path",
+    "true_path",
+    "plan",
+    "gap",
+    "beyond",
+    "object_surface",
+    "boundary_fitted",
+    "boundary_mapped",
+];
 
 pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let file: Collection = serde_json::from_str(text)
@@ -66,6 +81,17 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
                 start = Some((Pose::new(x, y, heading(feature, &here)?), here));
             }
             "start_alt" => {}
+            told if TOLD_BY_A_MAP.contains(&told) => {}
+            "boundary_open" => {
+                let why = "the lap of this map did not close, so nobody knows the room; \
+                           let the robot go on first";
+                return Err(WorldError::new(here, why));
+            }
+            "object_open" => {
+                let why = "the robot did not get round this object, so nobody knows how far it goes; \
+                           take it out, or give it an outline and the role object";
+                return Err(WorldError::new(here, why));
+            }
             other => {
                 return Err(WorldError::new(
                     here,
@@ -82,7 +108,14 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let objects = objects.into_iter().map(|(name, ring)| WorldObject { name, ring }).collect();
     let (boundary, boundary_place) = boundary.ok_or_else(|| missing("boundary"))?;
     let (start, start_place) = start.ok_or_else(|| missing("start"))?;
-    let name = named(&file.properties, place)?.unwrap_or_else(|| "unnamed".to_owned());
+    let name = match named(&file.properties, place)? {
+        Some(name) => Some(name),
+        None => match file.name.as_str() {
+            Some(name) => outline::name(name, &format!("{place}: name"))?,
+            None => None,
+        },
+    };
+    let name = name.unwrap_or_else(|| "unnamed".to_owned());
     Ok(Draft { world: World { name, start, boundary, objects }, start_place, boundary_place })
 }
 

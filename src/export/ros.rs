@@ -1,12 +1,12 @@
 //! The map as ROS reads it: a grid of free, occupied and unknown cells as a PGM picture, with a YAML
 //! file that says where it lies (the format of ROS' `map_server`).
 //!
-//! Occupied is what the robot touched or what lies behind it in an object; free is the floor within
-//! the boundary; everything beyond the walls is unknown, since nobody was there.
+//! Occupied is every cell that a surface passes through, or that lies behind one in an object; free is the
+//! floor within the boundary; everything beyond the walls is unknown, since nobody was there.
 
 use super::native::MapFile;
-use crate::geometry::raster::{Grid, inside, squared_distances};
-use crate::geometry::{Point, Ring, Segment};
+use crate::geometry::raster::{Grid, inside};
+use crate::geometry::{Point, Ring, Segment, Vector};
 
 /// Pitch of the grid, metres: finer than the 5 cm of lidar maps, since touch is.
 const CELL: f64 = 0.02;
@@ -74,15 +74,42 @@ pub fn write(map: &MapFile, image: &str) -> Result<RosMap, RosError> {
         paint(&mut cells, &inside(&grid, &outline), OCCUPIED);
         surfaces.extend(outline);
     }
-    let half = (CELL / 2.0) as f32;
-    let touched: Vec<bool> =
-        squared_distances(&grid, &surfaces).iter().map(|square| *square <= half * half).collect();
-    paint(&mut cells, &touched, OCCUPIED);
+    paint(&mut cells, &touched(&grid, &surfaces), OCCUPIED);
     Ok(RosMap { yaml: yaml(image, &grid), pgm: pgm(&grid, &cells) })
 }
 
 fn segments(ring: &Ring) -> Vec<Segment> {
     crate::geometry::segment::chords(ring, SAGITTA)
+}
+
+/// Every cell that a surface passes through: a beam that is cast from cell to cell, slantwise as well, meets a
+/// wall wherever it runs.
+fn touched(grid: &Grid, surfaces: &[Segment]) -> Vec<bool> {
+    let mut cells = vec![false; grid.len()];
+    // In cells, from the outer corner of the first.
+    let place = |point: Point| (point - grid.origin) / CELL + Vector::repeat(0.5);
+    // What lies beyond the picture is left out.
+    let within = |from: f64, to: f64, count: usize| {
+        from.floor().max(0.0) as usize..(to.floor() + 1.0).clamp(0.0, count as f64) as usize
+    };
+    for surface in surfaces {
+        let (mut low, mut high) = (place(surface.from), place(surface.to()));
+        if low.y > high.y {
+            (low, high) = (high, low);
+        }
+        let x_at = |y: f64| match y {
+            y if y <= low.y => low.x,
+            y if y >= high.y => high.x,
+            y => low.x + (high.x - low.x) * (y - low.y) / (high.y - low.y),
+        };
+        for row in within(low.y, high.y, grid.height) {
+            let (one, other) = (x_at(row as f64), x_at(row as f64 + 1.0));
+            for column in within(one.min(other), one.max(other), grid.width) {
+                cells[row * grid.width + column] = true;
+            }
+        }
+    }
+    cells
 }
 
 fn paint(cells: &mut [u8], mask: &[bool], grey: u8) {
@@ -155,6 +182,22 @@ mod tests {
         // The upper right corner is rounded off.
         assert_eq!(grey(&map, 3.95, 2.95), UNKNOWN);
         assert_eq!(grey(&map, -0.1, 1.5), UNKNOWN);
+    }
+
+    /// What casts beams from cell to cell goes slantwise as well, between two cells that meet in a corner.
+    #[test]
+    fn no_slanted_wall_has_a_hole() {
+        let mut file = MapFile::of(&sample::room().record());
+        file.boundary = Some(Outline::Circle { circle: [0.013, 0.007, 1.503] });
+        let map = write(&file, "room.pgm").expect("closed");
+        let cell = |x: i32, y: i32| grey(&map, f64::from(x) * CELL, f64::from(y) * CELL);
+        let mut holes = 0;
+        let all = (-80..80).flat_map(|x| (-80..80).map(move |y| (x, y)));
+        for (x, y) in all.filter(|&(x, y)| cell(x, y) == FREE) {
+            let around = (-1..=1).flat_map(|a| (-1..=1).map(move |b| (x + a, y + b)));
+            holes += around.filter(|&(x, y)| cell(x, y) == UNKNOWN).count();
+        }
+        assert_eq!(holes, 0, "free floor next to what nobody saw");
     }
 
     #[test]

@@ -180,7 +180,7 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
         refused(&[&resume[..], flags].concat(), &[why, "leave it out to go on"]);
     }
     // What nobody said does not differ: a calibration goes on to the end and the laps it was begun with.
-    let mut begun = header.clone();
+    let mut begun = header;
     (begun.settings.laps, begun.until) = (3, Some(Phase::Objects));
     write(&begun, 2);
     let calibrate = [&["calibrate"], &resume[1..]].concat();
@@ -292,4 +292,25 @@ fn a_robot_takes_every_seed_that_a_run_takes() {
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(signalled.success() && line.starts_with("tcp://"), "{line}{told}");
     assert_eq!(output.status.code(), Some(143), "{told}");
+}
+
+/// Who copies a folder gives its files another age.
+#[test]
+fn a_copied_run_is_not_taken_for_one_that_went_on() {
+    let dir = place("copied");
+    let run = dir.join("run");
+    let from = run.to_str().expect("a path");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let made = periplus(&["run", "--world", world, "--until", "shape", "--out", from]);
+    assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
+    let result = fs::read(run.join("map.geojson")).expect("a result");
+    let old = fs::OpenOptions::new().append(true).open(run.join("map.geojson")).expect("a result");
+    old.set_modified(std::time::UNIX_EPOCH).expect("another age");
+    let export = periplus(&["export", from, "--format", "geojson", "--out", "-"]);
+    assert!(export.stderr.is_empty(), "{}", String::from_utf8_lossy(&export.stderr));
+    assert!(export.stdout == result, "what only the simulator knows is lost");
+    // A result that is not of this record is made anew.
+    fs::write(run.join("map.svg"), "<svg/>").expect("another result");
+    let export = periplus(&["export", from, "--format", "geojson", "--out", "-"]);
+    assert!(String::from_utf8_lossy(&export.stderr).contains("made from its record"));
 }

@@ -119,34 +119,55 @@ fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
     match std::fs::read(&path) {
         Ok(bytes) if bytes.is_empty() => refused("the file is empty"),
         Ok(bytes) if name.ends_with("json") && !is_json(&bytes) => refused("the file is damaged"),
-        Ok(bytes) if went_on_after(&args.dir, &path) => match rebuilt(&args.dir, name) {
-            Ok(Some(bytes)) => {
-                output::say(
-                    "periplus: the run went on after its results were written; this is made from its record",
-                );
-                Ok(bytes)
-            }
-            why => {
-                let why = why.err().map_or_else(String::new, |error| format!(" ({error})"));
-                output::say(&format!(
-                    "periplus: {} is older than the record of its run, which cannot be used{why}",
-                    path.display()
-                ));
-                Ok(bytes)
-            }
-        },
+        Ok(bytes) if went_on_after(&args.dir, &path) => newest(&args.dir, name, bytes),
         Ok(bytes) => Ok(bytes),
-        Err(error) if error.kind() == ErrorKind::NotFound => match rebuilt(&args.dir, name)? {
-            Some(bytes) => {
+        Err(error) if error.kind() == ErrorKind::NotFound => match rebuilt(&args.dir)? {
+            Some(made) => {
                 output::say(
                     "periplus: there are no results of the run yet; this is made from its record",
                 );
-                Ok(bytes)
+                of(&made, name)
             }
             None => refused(&error.to_string()),
         },
         Err(error) => refused(&error.to_string()),
     }
+}
+
+/// The `bytes` of a result that is older than the record, unless the run went on since: then the same made from
+/// the record. Who copies a folder gives its files another age, so it is asked what the record makes.
+fn newest(dir: &Path, name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, CommandError> {
+    let why = match rebuilt(dir) {
+        Ok(Some(made)) => {
+            let anew = of(&made, name)?;
+            let drawn = of(&made, "map.svg")?;
+            let is_drawn = || std::fs::read(dir.join("map.svg")).is_ok_and(|there| there == drawn);
+            let is_same = || besides_paths(&anew) == besides_paths(&bytes) && is_drawn();
+            if anew == bytes || (name == "map.geojson" && is_same()) {
+                return Ok(bytes);
+            }
+            output::say(
+                "periplus: the run went on after its results were written; this is made from its record",
+            );
+            return Ok(anew);
+        }
+        Ok(None) => String::new(),
+        Err(error) => format!(" ({error})"),
+    };
+    output::say(&format!(
+        "periplus: {} is older than the record of its run, which cannot be used{why}",
+        dir.join(name).display()
+    ));
+    Ok(bytes)
+}
+
+/// The lines of a `map.geojson` but for the trajectories, which have the vertices of the true one where a
+/// simulator told it, as a record never does; a picture shows them all the same.
+fn besides_paths(bytes: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(bytes);
+    let is_path = |line: &&str| line.contains("\"role\":\"path\"") || line.contains("true_path");
+    let lines = text.lines().filter(|line| !is_path(line));
+    lines.map(|line| line.trim_end_matches(',').to_owned()).collect()
 }
 
 /// Whether the record of the run was written to after `result` was: a run that was taken up again, or went on after
@@ -156,9 +177,9 @@ fn went_on_after(dir: &Path, result: &Path) -> bool {
     written(&dir.join("journal")).zip(written(result)).is_some_and(|(record, of)| record > of)
 }
 
-/// The same made from the record of a run that has not left it, because it was killed or goes on; none where there
+/// What the record says of a run that has not left its results, because it was killed or goes on; none where there
 /// is no record of anything.
-fn rebuilt(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, CommandError> {
+fn rebuilt(dir: &Path) -> Result<Option<Rebuilt>, CommandError> {
     if !dir.join("journal").exists() {
         return Ok(None);
     }
@@ -171,17 +192,20 @@ fn rebuilt(dir: &Path, name: &str) -> Result<Option<Vec<u8>>, CommandError> {
         let why = format!("the record plays back another way than the run went: {difference}");
         CommandError::Input(format!("{}: {why}", dir.display()))
     })?;
+    Ok(Some(made))
+}
+
+/// The bytes of one result, made from the record.
+fn of(made: &Rebuilt, name: &str) -> Result<Vec<u8>, CommandError> {
     let record = made.record();
     let drawing = || svg::write(&record, &svg::Options::default());
-    let bytes = match name {
+    Ok(match name {
         "map.geojson" => geojson::write(&record).into_bytes(),
         "map.json" => MapFile::of(&record).write().into_bytes(),
-        "map.svg" => drawing().into_bytes(),
         "map.png" => png::render(&drawing(), png::WIDTH)
             .map_err(|error| CommandError::Input(format!("{name}: cannot be made: {error}")))?,
-        _ => return Ok(None),
-    };
-    Ok(Some(bytes))
+        _ => drawing().into_bytes(),
+    })
 }
 
 fn is_json(bytes: &[u8]) -> bool {

@@ -100,7 +100,12 @@ void Robot::line() {
   const unsigned long told = strtoul(star + 1, &after, 16);
   if (after != line_ + length_ || told != crc16(line_, static_cast<size_t>(star - line_))) return;
   *star = 0;
-  heard_ = hw_.micros();
+  if (asked()) heard_ = hw_.micros();
+}
+
+// Does what the body in `line_` asks for; whether a host can have said it. Other lines are no sign of one: a
+// line that echoes gives the robot back what it said itself, for ever.
+bool Robot::asked() {
   unsigned long seq = 0, number = 0;
   long amount = 0, most = 0, limit = 0;
   unsigned rise = 0, fall = 0, version = 0;
@@ -126,10 +131,14 @@ void Robot::line() {
             static_cast<uint16_t>(fall), limit * 1e-3);
   } else if (sscanf(line_, "R %lu %ld", &seq, &limit) == 2) {
     command(kRest, static_cast<uint32_t>(seq), 0, 0, 0, 0, limit * 1e-3);
-  } else if (sscanf(line_, "%*1[MTR] %lu", &seq) == 1) {
-    snprintf(body, sizeof body, "n %lu not understood", seq);
-    say(body);
+  } else {
+    if (sscanf(line_, "%*1[MTR] %lu", &seq) == 1) {
+      snprintf(body, sizeof body, "n %lu not understood", seq);
+      say(body);
+    }
+    return false;
   }
+  return true;
 }
 
 void Robot::hello(uint32_t session) {

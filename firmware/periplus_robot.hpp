@@ -61,6 +61,7 @@ class Robot {
   void say(const char* body);
   void introduce();
   void line();
+  bool asked();
   void hello(uint32_t session);
   void command(Kind kind, uint32_t seq, double amount, double most, uint16_t rise, uint16_t fall,
                double limit);

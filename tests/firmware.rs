@@ -73,6 +73,17 @@ fn the_reference_firmware_maps_a_room() {
     assert_eq!(report["shape"]["vertices"], 4);
 }
 
+/// A line that echoes says what the robot said, and no host is there all the same.
+#[test]
+fn an_echo_is_no_host() {
+    let place = folder("firmware_echo");
+    let Some(program) = built("tests/firmware/echo.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    let steps: i32 = String::from_utf8(said).expect("text").trim().parse().expect("steps");
+    // 300 ms, and 0.2 s of braking from 0.2 m/s.
+    assert!((20..=28).contains(&steps), "it stood after {steps} steps of 20 ms");
+}
+
 /// How many steps it takes to stand, after a motion began to brake by itself: on its own, and with a stop.
 #[test]
 fn a_stop_brakes_hard_what_is_braking_already() {

@@ -14,6 +14,27 @@ constexpr int kAgainSteps = 5;          // steps before an event that was not co
 constexpr int kStallSteps = 10;         // steps driven without a tick that make a stall
 
 double clamp(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
+
+// A whole number as text: the printf of small C libraries (newlib-nano, AVR's) knows no 64 bits.
+class Decimal {
+ public:
+  explicit Decimal(int64_t value) {
+    uint64_t rest = value < 0 ? 0 - static_cast<uint64_t>(value) : static_cast<uint64_t>(value);
+    do {
+      digits_[--first_] = static_cast<char>('0' + rest % 10);
+      rest /= 10;
+    } while (rest);
+    if (value < 0) digits_[--first_] = '-';
+  }
+  const char* text() const { return digits_ + first_; }
+
+ private:
+  char digits_[21] = {};  // 19 of them, a sign, and the end
+  size_t first_ = sizeof digits_ - 1;
+};
+
+// Microradians, to the nearest.
+Decimal micro(double radians) { return Decimal(static_cast<int64_t>(floor(radians * 1e6 + 0.5))); }
 }  // namespace
 
 uint16_t crc16(const char* bytes, size_t count) {
@@ -229,9 +250,9 @@ void Robot::poll() {
     if (!(changed & bit)) continue;
     const bool rising = is & bit;
     char rest[kLongestLine];
-    snprintf(rest, sizeof rest, "%d%c %llu %ld %ld %lld", k, rising ? '+' : '-',
-             static_cast<unsigned long long>(at.time), static_cast<long>(at.left),
-             static_cast<long>(at.right), llround(at.heading * 1e6));
+    snprintf(rest, sizeof rest, "%d%c %s %ld %ld %s", k, rising ? '+' : '-',
+             Decimal(static_cast<int64_t>(at.time)).text(), static_cast<long>(at.left),
+             static_cast<long>(at.right), micro(at.heading).text());
     event(rest, 'e');
     if ((rising ? rise_ : fall_) & bit) {
       char why[16];
@@ -250,9 +271,9 @@ void Robot::step() {
     since_report_ = 0;
     const Stamp at = now();
     char body[kLongestLine];
-    snprintf(body, sizeof body, "r %llu %ld %ld %lld %02X %d %lu %d",
-             static_cast<unsigned long long>(at.time), static_cast<long>(at.left),
-             static_cast<long>(at.right), llround(at.heading * 1e6), seen_, hw_.bumper() ? 1 : 0,
+    snprintf(body, sizeof body, "r %s %ld %ld %s %02X %d %lu %d",
+             Decimal(static_cast<int64_t>(at.time)).text(), static_cast<long>(at.left),
+             static_cast<long>(at.right), micro(at.heading).text(), seen_, hw_.bumper() ? 1 : 0,
              static_cast<unsigned long>(events_), hw_.battery_mv());
     say(body);
   }
@@ -302,9 +323,9 @@ void Robot::control() {
     hw_.drive(0, 0);
     kind_ = kNone;
     char rest[kLongestLine];
-    snprintf(rest, sizeof rest, "%lu %s %llu %ld %ld %lld %02X %d", static_cast<unsigned long>(seq_), why_,
-             static_cast<unsigned long long>(at.time), static_cast<long>(at.left),
-             static_cast<long>(at.right), llround(at.heading * 1e6), seen_, hw_.bumper() ? 1 : 0);
+    snprintf(rest, sizeof rest, "%lu %s %s %ld %ld %s %02X %d", static_cast<unsigned long>(seq_), why_,
+             Decimal(static_cast<int64_t>(at.time)).text(), static_cast<long>(at.left),
+             static_cast<long>(at.right), micro(at.heading).text(), seen_, hw_.bumper() ? 1 : 0);
     event(rest, 'd');
     why_[0] = 0;
     return;

@@ -32,7 +32,7 @@ struct Hardware {
   virtual ~Hardware() {}
   virtual uint64_t micros() = 0;                         // since the start, does not wrap
   virtual void drive(float speed, float rate) = 0;       // m/s ahead, rad/s counter-clockwise
-  virtual void ticks(int32_t* left, int32_t* right) = 0; // since the start, forwards positive
+  virtual void ticks(int32_t* left, int32_t* right) = 0; // since the start, forwards positive, all 32 bits
   virtual double heading() = 0;                          // gyro's integral, rad, not wrapped
   virtual uint16_t switches() = 0;                       // bit k: switch k sees something
   virtual bool bumper() = 0;

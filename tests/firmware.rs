@@ -73,6 +73,18 @@ fn the_reference_firmware_maps_a_room() {
     assert_eq!(report["shape"]["vertices"], 4);
 }
 
+/// Nor is more asked of the board's C library than small ones have: they know no 64 bits.
+#[test]
+fn a_report_is_printed_without_a_printf_of_64_bits() {
+    let source = include_str!("../firmware/periplus_robot.cpp");
+    assert!(!source.contains("%ll") && !source.contains("llround"), "small C libraries lack them");
+    let place = folder("firmware_late");
+    let Some(program) = built("tests/firmware/late.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    let said = String::from_utf8(said).expect("text");
+    assert_eq!(said.trim(), "r 12345678901 -12 40021 -3250000 05 0 0 0*EE6A");
+}
+
 /// A line that echoes says what the robot said, and no host is there all the same.
 #[test]
 fn an_echo_is_no_host() {

@@ -72,8 +72,10 @@ void Robot::say(const char* body) {
   const size_t count = strlen(body);
   if (count + 6 > kLongestLine) return;  // no such thing is ever said
   char out[kLongestLine + 1];
-  const int all = snprintf(out, sizeof out, "%s*%04X\n", body, crc16(body, count));
-  hw_.write(out, static_cast<size_t>(all));
+  // Names come from whoever built the robot: a letter beyond ASCII would spoil the line.
+  for (size_t k = 0; k < count; ++k) out[k] = body[k] < 32 || body[k] > 126 ? '?' : body[k];
+  const int tail = snprintf(out + count, sizeof out - count, "*%04X\n", crc16(out, count));
+  hw_.write(out, count + static_cast<size_t>(tail));
 }
 
 void Robot::introduce() {

@@ -73,6 +73,18 @@ fn the_reference_firmware_maps_a_room() {
     assert_eq!(report["shape"]["vertices"], 4);
 }
 
+/// A letter that the line cannot carry would leave the robot without an introduction.
+#[test]
+fn any_name_is_told_in_printable_letters() {
+    let place = folder("firmware_names");
+    let Some(program) = built("tests/firmware/names.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    assert!(said.iter().all(|&byte| byte == b'\n' || (32..127).contains(&byte)), "{said:?}");
+    let said = String::from_utf8(said).expect("text");
+    assert!(said.starts_with("h 1 00000001 00000000 300 8 K??fer*FFCF\n"), "{said}");
+    assert!(said.contains("\ns 3 2356194 hinten?links*"), "{said}");
+}
+
 /// Nor is more asked of the board's C library than small ones have: they know no 64 bits.
 #[test]
 fn a_report_is_printed_without_a_printf_of_64_bits() {

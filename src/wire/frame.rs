@@ -102,6 +102,15 @@ mod tests {
         assert_eq!(line("a 7"), b"a 7*2095\n");
     }
 
+    /// Whoever writes a robot from the page tries his checksum on what it shows.
+    #[test]
+    fn the_line_that_the_page_shows_is_a_good_one() {
+        let page = include_str!("PROTOCOL.md");
+        let shown = page.lines().find_map(|line| line.trim().strip_prefix("body *CRC <newline>"));
+        let body = "r 20000 12 12 -1500 04 0 7 0";
+        assert_eq!(shown.map(|line| line.trim().as_bytes()), line(body).strip_suffix(b"\n"));
+    }
+
     #[test]
     fn lines_come_out_whole_wherever_they_are_cut() {
         let bytes: Vec<u8> =

@@ -11,7 +11,8 @@ constexpr double kStep = 0.02;          // seconds between two calls of step()
 constexpr double kWatchdog = 0.3;       // silence of the host after which the robot stops, seconds
 constexpr int kReportSteps = 5;         // steps between two reports
 constexpr int kAgainSteps = 5;          // steps before an event that was not confirmed is said again
-constexpr int kStallSteps = 10;         // steps driven without a tick that make a stall
+constexpr int kStallSteps = 10;         // a stall is more steps driven without a tick than this,
+constexpr double kStallTicks = 2;       // and a way for which more ticks than this were due
 
 double clamp(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
 
@@ -200,6 +201,7 @@ void Robot::command(Kind kind, uint32_t seq, double amount, double most, uint16_
     fall_ = fall;
     speed_ = 0;
     still_ = 0;
+    driven_ = 0;
     stopped_ = false;
     why_[0] = 0;
     from_ = last_ = now();
@@ -299,8 +301,11 @@ void Robot::control() {
                               (kind_ == kTurn ? 2 / (chassis_.base * 1e-5) : 1);
   if (kind_ == kMove && amount_ > 0 && hw_.bumper()) end("bump");
   const bool stands = at.left == last_.left && at.right == last_.right;
-  still_ = kind_ == kMove && stands && fabs(speed_) > 0.05 ? still_ + 1 : 0;
-  if (still_ > kStallSteps) end("stall");
+  const double pushes = fmin(0.05, chassis_.speed * 1e-3 / 4);  // so fast the wheels should turn
+  const bool still = kind_ == kMove && stands && fabs(speed_) > pushes;
+  still_ = still ? still_ + 1 : 0;
+  driven_ = still ? driven_ + fabs(speed_) * kStep : 0;
+  if (still_ > kStallSteps && driven_ > kStallTicks * tick) end("stall");
   if ((at.time - from_.time) * 1e-6 > limit_) end(kind_ == kRest ? "ok" : "time");
   const double change = acceleration * kStep;
   const bool complete = kind_ != kRest && fabs(left) < 1e-4 && fabs(speed_) <= change;

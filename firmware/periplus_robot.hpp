@@ -88,7 +88,8 @@ class Robot {
   double amount_ = 0, most_ = 0, limit_ = 0, speed_ = 0;
   uint16_t rise_ = 0, fall_ = 0;
   Stamp from_{}, last_{};
-  int still_ = 0;
+  int still_ = 0;        // steps driven without a tick
+  double driven_ = 0;    // and how far, metres
   bool stopped_ = false;  // brakes hard, whatever the reason that is told
   char why_[8] = "";
 };

@@ -31,6 +31,14 @@ const REPORT_STEPS: u32 = 5;
 /// robot does does not hang on how soon within them its host answers.
 const SETTLING: u32 = 2;
 
+/// Wheels that are driven faster than this, or than a quarter of the robot's speed if that is less, should
+/// turn, metres per second.
+const PUSHES: f64 = 0.05;
+/// A stall is more steps than this without a tick, and a way for which more ticks than this were due: a
+/// coarse encoder is still for long from one tick to the next.
+const STALL_STEPS: u32 = 10;
+const STALL_TICKS: f64 = 2.0;
+
 #[derive(Debug, Clone, Copy)]
 struct Running {
     command: Command,
@@ -39,7 +47,10 @@ struct Running {
     ending: Option<DoneReason>,
     /// A stop came, whatever it is that ends the motion.
     stopped: bool,
+    /// Steps in which the wheels were driven and did not tick.
     still: u32,
+    /// How far they were driven in them, metres.
+    driven: f64,
     last: Odometer,
 }
 
@@ -101,8 +112,16 @@ impl Firmware {
         // same places of it, whatever the waits before.
         self.steps = self.every - 1;
         let begin = hardware.odometer();
-        let (stopped, still, last) = (false, 0, begin);
-        self.running = Some(Running { command, begin, speed: 0.0, ending, stopped, still, last });
+        self.running = Some(Running {
+            command,
+            begin,
+            speed: 0.0,
+            ending,
+            stopped: false,
+            still: 0,
+            driven: 0.0,
+            last: begin,
+        });
     }
 
     /// A host begins to count its commands anew: a number that was there before is no repetition.
@@ -176,7 +195,7 @@ impl Firmware {
         let now = hardware.odometer();
         let elapsed = now.time_us.saturating_sub(running.begin.time_us) as f64 * 1e-6;
         let (left, most, acceleration) = self.remaining(&running, &now);
-        Self::watch(&mut running, hardware, elapsed);
+        self.watch(&mut running, hardware, elapsed);
         let rest = matches!(running.command.motion, Motion::Rest);
         let complete =
             !rest && left.abs() < CLOSE && running.speed.abs() <= SLOW * acceleration * STEP;
@@ -248,7 +267,7 @@ impl Firmware {
         }
     }
 
-    fn watch(running: &mut Running, hardware: &impl Hardware, elapsed: f64) {
+    fn watch(&self, running: &mut Running, hardware: &impl Hardware, elapsed: f64) {
         let ahead =
             matches!(running.command.motion, Motion::Move { distance, .. } if distance > 0.0);
         let moves = matches!(running.command.motion, Motion::Move { .. });
@@ -258,9 +277,13 @@ impl Firmware {
         let now = hardware.odometer();
         let stands = now.left_ticks == running.last.left_ticks
             && now.right_ticks == running.last.right_ticks;
-        running.still =
-            if moves && stands && running.speed.abs() > 0.05 { running.still + 1 } else { 0 };
-        if running.still > 10 {
+        let pushes = running.speed.abs() > PUSHES.min(self.chassis.speed / 4.0);
+        (running.still, running.driven) = if moves && stands && pushes {
+            (running.still + 1, running.driven + running.speed.abs() * STEP)
+        } else {
+            (0, 0.0)
+        };
+        if running.still > STALL_STEPS && running.driven > STALL_TICKS * self.chassis.tick {
             running.ending = running.ending.or(Some(DoneReason::Stalled));
         }
         if elapsed > running.command.time_limit {

@@ -15,14 +15,17 @@ struct Robot {
 
 impl Robot {
     fn at(x: f64, y: f64, heading: f64) -> Self {
+        Self::with(&Chassis::default(), x, y, heading)
+    }
+
+    fn with(chassis: &Chassis, x: f64, y: f64, heading: f64) -> Self {
         let text = "start = { x = 3.0, y = 2.0 }\n[boundary]\nvertices = [[0, 0], [6, 0], [6, 4], [0, 4]]\n";
         let world = World::from_toml(text, "test", 0.1)
             .and_then(|world| world.with_start(Pose::new(x, y, heading), "start", 0.1))
             .expect("a good world");
-        let chassis = Chassis::default();
         Self {
-            firmware: Firmware::new(&chassis),
-            body: Body::new(&world, &chassis, NoiseProfile::None, 1),
+            firmware: Firmware::new(chassis),
+            body: Body::new(&world, chassis, NoiseProfile::None, 1),
             said: Vec::new(),
             number: 0,
         }
@@ -171,6 +174,33 @@ fn backing_into_a_wall_stalls() {
     let mut robot = Robot::at(0.3, 2.0, 0.0);
     robot.send(ahead(-1.0), FREE, 30.0);
     assert_eq!(robot.until_done(true).0, DoneReason::Stalled);
+}
+
+/// A wheel of few ticks is still for longer from one to the next.
+#[test]
+fn wheels_that_tick_seldom_have_not_stalled() {
+    for (tick, speed) in [(0.02, 0.06), (0.02, 0.09), (0.01, 0.051), (0.005, 0.2)] {
+        let chassis = Chassis { tick, ..Chassis::default() };
+        let mut robot = Robot::with(&chassis, 1.0, 2.0, 0.0);
+        robot.send(Motion::Move { distance: 0.5, speed }, FREE, 30.0);
+        let (reason, _) = robot.until_done(true);
+        assert_eq!(reason, DoneReason::Complete, "{tick} m a tick at {speed} m/s");
+        robot.send(ahead(-3.0), FREE, 60.0);
+        let (reason, _) = robot.until_done(true);
+        assert_eq!(reason, DoneReason::Stalled, "{tick} m a tick into the wall");
+    }
+}
+
+/// A robot that goes no faster than 5 cm a second pushes as hard as any.
+#[test]
+fn slow_robots_stall_as_well() {
+    for speed in [0.01, 0.03, 0.05] {
+        let chassis = Chassis { speed, ..Chassis::default() };
+        let mut robot = Robot::with(&chassis, 0.13, 2.0, 0.0);
+        robot.send(Motion::Move { distance: -1.0, speed }, FREE, 30.0);
+        let (reason, _) = robot.until_done(true);
+        assert_eq!(reason, DoneReason::Stalled, "{speed} m/s");
+    }
 }
 
 #[test]

@@ -27,6 +27,10 @@ pub enum Piece {
     },
 }
 
+/// An arc that rises less than this above its chord, metres, is none: its centre would be so far away that
+/// no number tells where its ends are.
+const FLAT: f64 = 1e-6;
+
 impl Piece {
     /// Where the piece begins.
     #[must_use]
@@ -150,12 +154,12 @@ impl Piece {
     }
 
     /// The circular piece from `from` to `to` with `bulge` = tan(sweep / 4), as in DXF; a straight
-    /// one for a bulge of zero.
+    /// one where the arc would rise less than [`FLAT`] above its chord.
     #[must_use]
     pub fn with_bulge(from: Point, to: Point, bulge: f64) -> Self {
         let chord = to - from;
         let length = chord.norm();
-        if bulge == 0.0 || length == 0.0 {
+        if (bulge * length / 2.0).abs() < FLAT || length == 0.0 {
             return Self::Line { from, to };
         }
         let sweep = 4.0 * angle::atan(bulge);
@@ -187,6 +191,28 @@ impl Piece {
                 Self::with_bulge(from, to, Self::bulge_through(from, moved(self.at(0.5)), to))
             }
             Self::Arc { .. } => Self::with_bulge(from, to, self.bulge()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Programs that draw write such bulges for straight walls: what rounding left of nothing.
+    #[test]
+    fn a_bulge_of_next_to_nothing_leaves_the_ends_where_they_are() {
+        let (from, to) = (Point::new(0.3, 0.7), Point::new(5.1, 2.9));
+        for exponent in 1..20 {
+            for bulge in [1.0, -1.0].map(|sign| sign * 10_f64.powi(-exponent)) {
+                let piece = Piece::with_bulge(from, to, bulge);
+                let off = (piece.from() - from).norm().max((piece.to() - to).norm());
+                assert!(off < 1e-8, "bulge {bulge}: the ends are {off} m off, {piece:?}");
+                let rise = bulge * (to - from).norm() / 2.0;
+                let middle = nalgebra::center(&from, &to);
+                let told = (piece.at(0.5) - middle).norm();
+                assert!((told - rise.abs()).abs() < 2e-6, "bulge {bulge}: rises by {told}");
+            }
         }
     }
 }

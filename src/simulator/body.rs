@@ -111,8 +111,17 @@ impl Body {
         self.pose = pose;
     }
 
-    /// Lets `seconds` of virtual time pass at the speed that was set.
+    /// Lets `seconds` of virtual time pass at the speed that was set, in parts so short that the body does
+    /// not leap over what would hold it up.
     pub fn step(&mut self, seconds: f64) {
+        let leap = self.speed.abs() * seconds / (self.chassis.radius / 2.0);
+        let parts = (leap.ceil() as u32).max(1);
+        for _ in 0..parts {
+            self.pass(seconds / f64::from(parts));
+        }
+    }
+
+    fn pass(&mut self, seconds: f64) {
         let micros = (seconds * 1e6).round() as u64;
         if self.speed == 0.0 && self.rate == 0.0 {
             self.time_us += micros;
@@ -145,29 +154,33 @@ impl Body {
     }
 
     /// Pushes the body out of walls it would overlap; it slides along them, or stays where it was
-    /// when it cannot. Returns whether the bumper is pressed.
+    /// when it cannot. Returns whether the bumper is pressed, by whichever of them.
     fn hold_up(&mut self, next: &mut Pose) -> bool {
         let radius = self.chassis.radius;
         let from = self.pose.position;
-        let mut contact: Option<Point> = None;
+        let mut met: Option<Point> = None;
+        let mut pressed = false;
         for _ in 0..4 {
             let Some((at, distance)) = nearest(self.grid.near(next.position), next.position) else {
-                return false;
+                return pressed;
             };
             if distance >= radius {
                 if distance < radius + 0.001 {
                     self.contact += (next.position - from).norm();
-                    contact = contact.or((distance < radius + 2e-4).then_some(at));
+                    if met.is_none() && distance < radius + 2e-4 {
+                        pressed = self.covers(next, at);
+                    }
                 }
-                return contact.is_some_and(|at| self.covers(next, at));
+                return pressed;
             }
-            contact = Some(at);
             let away =
                 (next.position - at).try_normalize(1e-12).unwrap_or_else(|| -next.direction());
             next.position = at + away * (radius + 1e-7);
+            met = Some(at);
+            pressed |= self.covers(next, at);
         }
         next.position = from;
-        contact.is_some_and(|at| self.covers(next, at))
+        pressed || met.is_some_and(|at| self.covers(next, at))
     }
 
     fn covers(&self, pose: &Pose, at: Point) -> bool {

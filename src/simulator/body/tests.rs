@@ -69,6 +69,37 @@ fn no_heading_and_no_speed_takes_the_body_through_a_wall() {
     }
 }
 
+/// The smallest and fastest robot that is taken goes twice its width in a step.
+#[test]
+fn a_small_fast_body_does_not_leap_through_a_wall() {
+    let chassis = Chassis { radius: 0.01, range: 0.01, speed: 2.0, ..Chassis::default() };
+    for k in 0..48 {
+        let heading = TAU * f64::from(k) / 48.0 + 0.01;
+        let world = world(2.0, 1.5, heading);
+        let mut body = Body::new(&world, &chassis, NoiseProfile::None, 1);
+        drive(&mut body, chassis.speed, 0.0, 3.0);
+        let at = body.true_pose().position;
+        let objects = world.objects.iter().any(|object| object.ring.contains(at));
+        assert!(world.boundary.contains(at) && !objects, "heading {heading}: at {at}");
+        assert!(room(&world, at) > 0.01 - 2e-4, "heading {heading}: overlaps a wall at {at}");
+    }
+}
+
+/// One that covers 60 degrees to either side does not feel the wall beside it, and that ahead all the same.
+#[test]
+fn a_bumper_is_pressed_by_the_wall_ahead_when_another_is_touched_beside_it() {
+    let chassis = Chassis { bumper_half_angle: PI / 3.0, ..Chassis::default() };
+    for heading in [-0.2_f64, 0.2] {
+        let y = if heading > 0.0 { 2.85 } else { 0.15 };
+        let mut body = Body::new(&world(3.0, y, heading), &chassis, NoiseProfile::None, 1);
+        drive(&mut body, 0.2, 0.0, 3.0);
+        assert!(!body.bumper(), "heading {heading}: the wall beside it is at 79 degrees");
+        drive(&mut body, 0.2, 0.0, 5.0);
+        assert!((body.true_pose().position.x - 3.9).abs() < 1e-3, "{}", body.true_pose().position);
+        assert!(body.bumper(), "heading {heading}: pressed against the wall ahead");
+    }
+}
+
 #[test]
 fn the_body_slides_along_a_wall_it_meets_at_an_angle() {
     let mut body = body(3.0, 1.0, FRAC_PI_4);

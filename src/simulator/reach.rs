@@ -5,6 +5,7 @@
 //! which the tests hold it to.
 
 use super::World;
+use super::world::SAGITTA;
 use crate::geometry::{Point, Vector, cross, ring::bounds};
 
 /// A straight piece of wall; arcs are cut into these.
@@ -41,9 +42,6 @@ pub struct ReachGrid {
     first: Vec<u32>,
     listed: Vec<Segment>,
 }
-
-/// How far a chord may stray from an arc it stands for, metres.
-const SAGITTA: f64 = 1e-4;
 
 impl ReachGrid {
     /// A grid over `world` for queries up to `reach` metres from a point.

@@ -49,6 +49,9 @@ impl WorldError {
     }
 }
 
+/// How far a chord may stray from an arc it stands for, metres.
+pub(super) const SAGITTA: f64 = 1e-4;
+
 /// A room that extends farther is not gone round in a day, metres: nobody meant it.
 const LARGEST_ROOM: f64 = 1000.0;
 
@@ -328,6 +331,8 @@ mod tests {
         };
         assert_eq!(world(&start(""), "a"), Ok(0.0));
         assert_eq!(world(&start(r#","heading":1.5"#), "a"), Ok(1.5));
+        // Programs that keep properties in a table write those that a feature lacks as null.
+        assert_eq!(world(&start(r#","heading":null,"radius":null"#), "a"), Ok(0.0));
         for bad in [r#","heading":"x""#, r#","heading":90"#, r#","heading":1e308"#] {
             let error = world(&start(bad), "a").expect_err(bad);
             assert!(error.contains("feature 1 (start)") && error.contains("radians"), "{error}");

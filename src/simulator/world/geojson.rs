@@ -131,7 +131,9 @@ fn named(properties: &Value, place: &str) -> Result<Option<String>, WorldError> 
 
 /// Where the robot faces: radians counter-clockwise from +x.
 fn heading(feature: &Feature, place: &str) -> Result<f64, WorldError> {
-    let Some(value) = feature.properties.get("heading") else { return Ok(0.0) };
+    // Null is how a table writes that there is none.
+    let heading = feature.properties.get("heading").filter(|value| !value.is_null());
+    let Some(value) = heading else { return Ok(0.0) };
     let within = |heading: &f64| heading.abs() <= angle::TAU;
     value.as_f64().filter(within).ok_or_else(|| {
         let what = format!("heading {value} is none; it counts in radians, from -6.28 to 6.28");

@@ -1,6 +1,7 @@
 //! Checks of one outline: numbers, size, simplicity.
 
-use super::{MOST_VERTICES, WorldError};
+use super::{MOST_VERTICES, SAGITTA, WorldError};
+use crate::geometry::ring::chord_count;
 use crate::geometry::{Piece, Point, Ring, cross};
 
 /// A corner as written: x, y and the bulge of the arc to the next corner.
@@ -29,8 +30,10 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
     }
     let mut kept: Vec<Corner> = Vec::with_capacity(corners.len());
     for &c in corners {
-        if kept.last().is_none_or(|last| last.0 != c.0 || last.1 != c.1) {
-            kept.push(c);
+        match kept.last_mut() {
+            // What leads on from a corner that is written twice is what is written last.
+            Some(last) if last.0 == c.0 && last.1 == c.1 => last.2 = c.2,
+            _ => kept.push(c),
         }
     }
     while kept.len() > 1
@@ -105,12 +108,13 @@ pub(super) fn name(name: &str, place: &str) -> Result<Option<String>, WorldError
 fn first_crossing(ring: &Ring) -> Option<(usize, usize)> {
     let mut chords: Vec<(Point, Point, usize)> = Vec::new();
     for (index, piece) in ring.pieces.iter().enumerate() {
-        let steps = match piece {
+        // The chords that the body will meet.
+        let steps = match *piece {
             Piece::Line { .. } => 1,
-            Piece::Arc { .. } => 32,
+            Piece::Arc { radius, sweep, .. } => chord_count(radius, sweep, SAGITTA),
         };
         for k in 0..steps {
-            let at = |k: i32| piece.at(f64::from(k) / f64::from(steps));
+            let at = |k: u32| piece.at(f64::from(k) / f64::from(steps));
             chords.push((at(k), at(k + 1), index));
         }
     }
@@ -148,4 +152,55 @@ fn meet(a: &(Point, Point, usize), b: &(Point, Point, usize)) -> bool {
         || (d2 == 0.0 && on(b.0, b.1, a.1))
         || (d3 == 0.0 && on(a.0, a.1, b.0))
         || (d4 == 0.0 && on(a.0, a.1, b.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::angle;
+
+    fn told(corners: &[Corner]) -> Result<f64, String> {
+        ring(corners, "here").map(|ring| ring.area()).map_err(|error| error.to_string())
+    }
+
+    /// A corner that is written twice is one; the arc from it to the next is that of the last.
+    #[test]
+    fn a_corner_written_twice_keeps_the_arc_that_follows() {
+        let once = [(0.0, 0.0, 0.0), (4.0, 0.0, 1.0), (4.0, 2.0, 0.0), (0.0, 2.0, 0.0)];
+        let area = told(&once).expect("a room");
+        assert!((area - 8.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "{area}");
+        let mut twice = once.to_vec();
+        twice.insert(1, (4.0, 0.0, 0.0));
+        assert_eq!(told(&twice), Ok(area));
+        let mut straight = once.to_vec();
+        straight.insert(2, (4.0, 0.0, 0.0));
+        let area = told(&straight).expect("a room");
+        assert!((area - 8.0).abs() < 1e-9, "the way from the corner to itself has no arc: {area}");
+    }
+
+    /// A hall between a half circle of 20 m and the straight wall at x = `back`, on either side of it, with a
+    /// partition from there to `tip` metres from the circle's centre, half way between two of 32 equal parts.
+    fn hall(back: f64, tip: f64) -> Result<f64, String> {
+        let end = Point::origin() + angle::unit(angle::PI / 64.0) * tip;
+        told(&[
+            (0.0, -20.0, 1.0),
+            (0.0, 20.0, 0.0),
+            (back, 20.0, 0.0),
+            (back, 1.5, 0.0),
+            (end.x, end.y, 0.0),
+            (back, 0.5, 0.0),
+            (back, -20.0, 0.0),
+        ])
+    }
+
+    #[test]
+    fn a_wall_that_ends_short_of_an_arc_does_not_cross_it_and_one_beyond_it_does() {
+        for (back, side) in [(-5.0, -1.0), (45.0, 1.0)] {
+            for short in [1.0, 0.01, 0.001] {
+                assert!(hall(back, 20.0 + side * short).is_ok(), "from {back}: {short} m short");
+                let crossed = hall(back, 20.0 - side * short).expect_err("it goes through");
+                assert!(crossed.contains("crosses itself"), "from {back}: {short} m: {crossed}");
+            }
+        }
+    }
 }

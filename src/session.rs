@@ -247,7 +247,7 @@ impl Session {
                 out,
             ),
             Intent::LapAgain => {
-                self.wish(|mission, told| !over && mission.lap_again(told), no_lap, out)
+                self.wish(|mission, told| !over && mission.lap_again(told), no_lap, out);
             }
             Intent::LapAnew => {
                 self.wish(|mission, told| !over && mission.lap_anew(told), no_lap_dropped, out);

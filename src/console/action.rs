@@ -230,6 +230,14 @@ impl Action {
         )
     }
 
+    /// Whether it is a wish that the run has to hear of; a stop is on its way in any case.
+    #[must_use]
+    pub fn is_told_to_the_run(self) -> bool {
+        let goes =
+            matches!(self, Self::RunPause | Self::StepCommand | Self::StepEvent | Self::StepPhase);
+        goes || self.changes_the_run()
+    }
+
     /// Its row of the table.
     #[must_use]
     pub fn info(self) -> &'static ActionInfo {

@@ -128,7 +128,7 @@ impl Standing {
     /// How things stand in `snapshot`.
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Self {
-        let heard = !matches!(snapshot.robot, Known::Stale { .. });
+        let heard = matches!(snapshot.robot, Known::Known(_));
         Self { run: snapshot.run, latched: snapshot.latched, heard }
     }
 }
@@ -195,6 +195,12 @@ impl Model {
             Some(_) => Steered::Simulator,
             None => Steered::Robot,
         }
+    }
+
+    /// Whether the robot at the other end of the line was never heard: what it is told is lost.
+    #[must_use]
+    pub fn is_alone(&self, snapshot: &Snapshot) -> bool {
+        self.steered(snapshot) == Steered::Robot && matches!(snapshot.robot, Known::Unknown)
     }
 
     /// A fresh console of `cols` by `rows` cells.

@@ -138,6 +138,9 @@ pub fn paste(model: &mut Model, text: &str) {
 pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     match action {
         _ if snapshot.recorded && action.changes_the_run() => return only_looked_at(model),
+        _ if model.is_alone(snapshot) && action.is_told_to_the_run() => {
+            return not_answered(model, snapshot);
+        }
         Action::Stop => return vec![Effect::Intent(Intent::Stop)],
         Action::ClearStop if snapshot.latched => {
             return clear_stop(model, snapshot);
@@ -211,6 +214,11 @@ fn refuse_now(model: &mut Model, snapshot: &Snapshot, text: String) -> Vec<Effec
 
 fn only_looked_at(model: &mut Model) -> Vec<Effect> {
     refuse(model, "a replay: what happened is looked at, not changed".to_owned())
+}
+
+fn not_answered(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
+    let text = "the robot has not answered yet: it can be told nothing";
+    refuse_now(model, snapshot, text.to_owned())
 }
 
 fn scroll(model: &mut Model, snapshot: &Snapshot, by: isize) {

@@ -269,7 +269,7 @@ mod tests {
         plan.lines[0].status = LineStatus::Driven;
         // Turned on the spot, and was stopped there.
         sample.map.path.truncate(2);
-        let stood = sample.map.path[0].clone();
+        let stood = sample.map.path[0];
         sample.map.path[1].pose.position = stood.pose.position;
         sample.truth.truncate(2);
         sample.map.closed = false;

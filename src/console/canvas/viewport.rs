@@ -10,7 +10,7 @@ pub const DOTS_X: u16 = 2;
 pub const DOTS_Y: u16 = 4;
 /// The finest scale, metres per dot: a robot fills a large screen.
 pub const FINEST: f64 = 0.0005;
-/// The coarsest scale, metres per dot: a room of a kilometre is a quarter of a small screen.
+/// The coarsest scale, metres per dot: a room of a kilometre is ten dots wide.
 pub const COARSEST: f64 = 100.0;
 
 /// A rectangle of the map frame laid over a rectangle of cells.

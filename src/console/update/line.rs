@@ -1,6 +1,6 @@
 //! What the command line does: a key to the line that is typed, and a line that was entered to the run.
 
-use super::{Effect, only_looked_at, perform, refuse, set_alpha, set_speed};
+use super::{Effect, not_answered, only_looked_at, perform, refuse, set_alpha, set_speed};
 use crate::console::command::{Command, CommandError};
 use crate::console::key::Key;
 use crate::console::model::{Model, Overlay};
@@ -40,6 +40,11 @@ pub(super) fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> 
             if snapshot.recorded =>
         {
             only_looked_at(model)
+        }
+        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
+            if model.is_alone(snapshot) =>
+        {
+            not_answered(model, snapshot)
         }
         Command::Action(action) => perform(model, snapshot, action),
         Command::Alpha(alpha) => set_alpha(model, snapshot, alpha),

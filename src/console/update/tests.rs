@@ -329,3 +329,45 @@ fn who_clears_the_stop_of_a_robot_that_is_not_heard_is_not_told_that_it_runs_on(
         "stop cleared; the robot is not heard: see to the link, or quit and --resume"
     );
 }
+
+/// What is told to a robot that nobody has heard of yet is lost: so nothing is taken for it, and nothing offered.
+#[test]
+fn a_robot_that_has_not_answered_yet_is_told_nothing() {
+    let (mut model, mut snapshot) = waiting();
+    (model.speed, model.size) = (None, (160, 40));
+    for name in ["r", "n", "e", "p", "[", "]", "L", "B", "S", "X"] {
+        let effects = press(&mut model, &snapshot, Key::parse(name).expect("a key"));
+        assert!(effects.is_empty() && model.overlay == Overlay::None, "{name}: {effects:?}");
+        let said = model.remark(&snapshot).expect("a remark");
+        assert!(said.refusal && said.text.contains("has not answered yet"), "{name}: {said:?}");
+    }
+    for line in ["alpha=0.3", "tape=0,0:5,0=5.02", "tape=W1=5.02", "placed", "placed=1,1,0"] {
+        let command = Command::parse(line).expect("a command");
+        assert!(obey(&mut model, &snapshot, command).is_empty(), "{line}");
+        assert!(model.remark(&snapshot).is_some_and(|hint| hint.refusal), "{line}");
+    }
+    // Whatever moves, a stop is on its way.
+    let stop = perform(&mut model, &snapshot, Action::Stop);
+    assert_eq!(stop, [Effect::Intent(Intent::Stop)]);
+    let told = model.remark(&snapshot).cloned();
+    let frame =
+        |model: &Model, snapshot: &Snapshot| crate::console::frame::planes(model, snapshot).0;
+    model.hint = None;
+    let alone = frame(&model, &snapshot);
+    for offered in ["r run/pause", "n command", "[ ] α", "r begins"] {
+        assert!(!alone.contains(offered), "{offered}:\n{alone}");
+    }
+    model.hint = told;
+    snapshot.robot = Known::Known(RobotView {
+        pose: Some(Pose::new(0.0, 0.0, 0.0)),
+        position_sd: 0.0,
+        switches: SwitchSet::default(),
+        bumper: false,
+        moving: false,
+        needs_place: false,
+    });
+    assert_eq!(model.remark(&snapshot), None, "it has answered");
+    assert!(frame(&model, &snapshot).contains("r run/pause"));
+    let run = perform(&mut model, &snapshot, Action::RunPause);
+    assert_eq!(run, [Effect::Intent(Intent::Run)]);
+}

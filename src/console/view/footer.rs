@@ -162,7 +162,8 @@ fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
 fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     let stopped = snapshot.latched;
     let over = snapshot.run.is_over();
-    let useless = snapshot.recorded && info.action.changes_the_run();
+    let useless = snapshot.recorded && info.action.changes_the_run()
+        || model.is_alone(snapshot) && info.action.is_told_to_the_run();
     !(info.footer.is_empty() || useless)
         && match info.action {
             Action::Stop => !stopped && !over && !snapshot.recorded,

@@ -105,6 +105,7 @@ fn how_it_begins(model: &Model, snapshot: &Snapshot) -> String {
     let way = |action| model.keymap.way(action);
     let (run, phase) = (way(Action::RunPause), way(Action::StepPhase));
     match snapshot.run {
+        _ if model.is_alone(snapshot) => "the robot has not answered yet".to_owned(),
         RunState::Paused if snapshot.recorded => {
             format!("nothing has happened yet: {run} plays, {phase} goes to the next phase")
         }

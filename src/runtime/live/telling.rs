@@ -2,6 +2,7 @@
 
 use super::LiveRun;
 use crate::export::{Outcome, RunRecord};
+use crate::mapping::event::{Event, EventKind};
 use crate::runtime::{Ending, Progress};
 use crate::session::{Known, Session, Snapshot};
 use crate::wire::Health;
@@ -23,6 +24,9 @@ impl<W: Write> LiveRun<W> {
             let mut waiting = Snapshot::waiting(self.plan.settings.clone(), self.plan.port.clone());
             if let Some(ending) = &self.ended {
                 waiting.source = format!("{}: {}", self.plan.port, ending.reason);
+                // The header has no room for all of it.
+                let kind = EventKind::Alarm { what: ending.reason.clone() };
+                waiting.events.push(Event { time_us: 0, kind });
             }
             return waiting;
         };

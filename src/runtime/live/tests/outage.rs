@@ -1,6 +1,7 @@
 //! A line that is gone for longer than any motion lasts, and a host that was busy meanwhile.
 
 use super::*;
+use crate::session::Known;
 
 /// A robot under an operator's hands, under way for `seconds`.
 fn under_way(seconds: f64) -> Rig {
@@ -95,4 +96,17 @@ fn a_host_that_was_busy_has_not_lost_its_robot() {
         assert_eq!(rig.alarms("link lost"), 0, "busy for {busy} s");
         assert_eq!(rig.run_state(), RunState::Running, "busy for {busy} s");
     }
+}
+
+/// Why nobody answers is more than the header has room for, and what there is to be done stands at its end.
+#[test]
+fn why_a_robot_was_never_heard_stands_in_the_log() {
+    let mut rig = rig(Faults::default(), 1, false);
+    for second in 0..60 {
+        rig.run.tick(f64::from(second));
+    }
+    let snapshot = rig.run.snapshot(60.0);
+    assert_eq!(snapshot.robot, Known::Unknown);
+    let told: Vec<String> = snapshot.events.iter().map(|event| event.kind.to_string()).collect();
+    assert!(told.len() == 1 && told[0].contains("--baud"), "{told:?}");
 }

@@ -61,7 +61,7 @@ fn drawn(bencher: Bencher<'_, '_>, snapshot: &Snapshot, size: (u16, u16)) {
     let contacts = Layer { under_way: true, over: true };
     let layers = Layers { contacts, ..Layers::default() };
     let model = Model { layers, ..Model::new(size.0, size.1, Keymap::default()) };
-    let theme = Theme::colour();
+    let theme = Theme::dark();
     let area = Rect::new(0, 0, size.0, size.1);
     let mut buffer = Buffer::empty(area);
     bencher.bench_local(|| {

@@ -140,7 +140,7 @@ mod measured {
     /// Drives, stops, clears, and so on; the screen is drawn as often as a console would.
     fn stops(line: &Line, watch: Stopwatch, told: &Receiver<Seen>) -> (Vec<(f64, f64)>, Vec<f64>) {
         let model = Model::new(120, 40, Keymap::default());
-        let (theme, area) = (Theme::colour(), Rect::new(0, 0, 120, 40));
+        let (theme, area) = (Theme::dark(), Rect::new(0, 0, 120, 40));
         let mut buffer = Buffer::empty(area);
         let (mut keys, mut turnarounds) = (Vec::new(), Vec::new());
         let mut draw = |seconds: f64, until: &dyn Fn(RunState) -> bool| {

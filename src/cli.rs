@@ -83,12 +83,35 @@ pub struct ConsoleArgs {
     /// The robot.
     #[command(flatten)]
     pub robot: RobotChoice,
-    /// Key bindings instead of the built-in ones
-    #[arg(long, value_name = "FILE")]
-    pub keymap: Option<PathBuf>,
+    /// Keys and colours.
+    #[command(flatten)]
+    pub screen: ScreenFlags,
     /// What every run can be told.
     #[command(flatten)]
     pub common: Common,
+}
+
+/// How the console is worked and looked at.
+#[derive(Debug, Clone, Default, Args)]
+pub struct ScreenFlags {
+    /// Key bindings instead of the built-in ones
+    #[arg(long, value_name = "FILE")]
+    pub keymap: Option<PathBuf>,
+    /// Colours for a dark or a light background, or none [default: mono with `NO_COLOR`, light where
+    /// COLORFGBG says so, else dark]
+    #[arg(long, value_name = "THEME", value_parser = values::theme())]
+    pub theme: Option<ThemeName>,
+}
+
+/// Which colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ThemeName {
+    /// For a dark background.
+    Dark,
+    /// For a light background.
+    Light,
+    /// None: bold, dim and reversed only.
+    Mono,
 }
 
 /// Arguments of `run`.
@@ -135,9 +158,9 @@ pub struct ReplayArgs {
     /// Folder of a recorded run
     #[arg(value_name = "DIR")]
     pub dir: PathBuf,
-    /// Key bindings instead of the built-in ones
-    #[arg(long, value_name = "FILE")]
-    pub keymap: Option<PathBuf>,
+    /// Keys and colours.
+    #[command(flatten)]
+    pub screen: ScreenFlags,
 }
 
 /// Arguments of `snapshot`.

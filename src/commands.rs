@@ -14,7 +14,9 @@ pub mod world;
 
 pub use error::CommandError;
 
-use crate::cli::{Cli, Command, Common, ConsoleArgs, FrameSize, ReplayArgs, SnapshotArgs};
+use crate::cli::{
+    Cli, Command, Common, ConsoleArgs, FrameSize, ReplayArgs, ScreenFlags, SnapshotArgs,
+};
 use crate::console::layout::{MIN_COLS, MIN_ROWS, Regions};
 use std::ffi::OsStr;
 use std::io::IsTerminal;
@@ -67,15 +69,16 @@ fn status(result: Result<u8, CommandError>) -> u8 {
 
 fn console(args: ConsoleArgs) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
-    let keys = args.keymap.or(places.keymap);
+    let (keys, theme) = (args.screen.keymap.or(places.keymap), args.screen.theme.or(places.theme));
+    let screen = ScreenFlags { keymap: keys, theme };
     needs_terminal()?;
     if let Some(address) = real::address(&args.robot, places.port)? {
         tell_unused(&common);
-        return real::console(&address, glue::keymap(keys.as_deref())?, &common);
+        return real::console(&address, glue::options(&screen)?, &common);
     }
     only_real(common.keeping.resume.as_deref())?;
     let world = args.robot.world.or(places.world);
-    glue::console(world.as_deref(), keys.as_deref(), &common)
+    glue::console(world.as_deref(), &screen, &common)
 }
 
 /// Says that a real robot's body is what it says itself.
@@ -91,7 +94,7 @@ fn tell_unused(common: &Common) {
 fn replay(args: &ReplayArgs) -> Result<u8, CommandError> {
     let recording = crate::journal::read_whole_part(&args.dir)?;
     needs_terminal()?;
-    glue::replay(recording, args.keymap.as_deref())
+    glue::replay(recording, &args.screen)
 }
 
 fn snapshot(args: &SnapshotArgs) -> Result<u8, CommandError> {

@@ -1,9 +1,9 @@
 //! `--config FILE`: the flags as a TOML table, with the same keys and the same words. Flags given
 //! on the command line win. Files that it names are relative to its own folder.
 
-use super::ArgumentError;
 use super::settings_file::{Entry, SettingsFile};
 use super::values::{self, Common};
+use super::{ArgumentError, ThemeName};
 use crate::mapping::map::Phase;
 use std::path::{Path, PathBuf};
 
@@ -14,15 +14,17 @@ pub struct Places {
     pub world: Option<PathBuf>,
     /// Key bindings.
     pub keymap: Option<PathBuf>,
+    /// Colours.
+    pub theme: Option<ThemeName>,
     /// Phase whose end completes the run.
     pub until: Option<Phase>,
     /// Serial port or address of a real robot, and file, line and key that it came from.
     pub port: Option<(String, String)>,
 }
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "alpha", "plan", "contour", "noise", "seed", "start", "laps", "square", "tape", "chassis",
-    "name", "out", "resume", "world", "keymap", "until", "port",
+    "name", "out", "resume", "world", "keymap", "theme", "until", "port",
 ];
 
 /// What belongs to one start of the program, and to no file that is used again.
@@ -90,6 +92,7 @@ fn set(
         "resume" => fill(&mut flags.keeping.resume, path()),
         "world" => fill(&mut places.world, path()),
         "keymap" => fill(&mut places.keymap, path()),
+        "theme" => fill(&mut places.theme, values::named_theme(text)?),
         "until" => fill(&mut places.until, values::named_phase(text)?),
         _ => fill(&mut places.port, (words, file.place(entry))),
     }

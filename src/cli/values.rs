@@ -1,6 +1,6 @@
 //! The values that flags take: how each is written, and what is refused with which words.
 
-use super::{ArgumentError, chassis, config};
+use super::{ArgumentError, ThemeName, chassis, config};
 use crate::console::layout::{MIN_COLS, MIN_ROWS};
 use crate::geometry::Pose;
 use crate::geometry::pose::PoseError;
@@ -260,6 +260,8 @@ const PHASES: [(&str, Phase); 4] = [
     ("plan", Phase::Plan),
     ("objects", Phase::Objects),
 ];
+const THEMES: [(&str, ThemeName); 3] =
+    [("dark", ThemeName::Dark), ("light", ThemeName::Light), ("mono", ThemeName::Mono)];
 
 /// One of a few names.
 fn one_of<T: Copy + Send + Sync + 'static>(
@@ -293,6 +295,10 @@ pub(super) fn phase() -> impl TypedValueParser<Value = Phase> {
     one_of(&PHASES)
 }
 
+pub(super) fn theme() -> impl TypedValueParser<Value = ThemeName> {
+    one_of(&THEMES)
+}
+
 /// The same values, as a settings file gives them.
 pub(super) fn named_strategy(text: &str) -> Result<Strategy, String> {
     named(&STRATEGIES, text)
@@ -311,6 +317,11 @@ pub(super) fn named_noise(text: &str) -> Result<NoiseProfile, String> {
 /// As [`named_strategy`].
 pub(super) fn named_phase(text: &str) -> Result<Phase, String> {
     named(&PHASES, text)
+}
+
+/// As [`named_strategy`].
+pub(super) fn named_theme(text: &str) -> Result<ThemeName, String> {
+    named(&THEMES, text)
 }
 
 /// A seed.

@@ -3,9 +3,10 @@
 
 use super::CommandError;
 use super::ending::Kept;
-use crate::cli::{Common, FrameFormat, FrameSize, SnapshotArgs};
+use crate::cli::{Common, FrameFormat, FrameSize, ScreenFlags, SnapshotArgs, ThemeName};
 use crate::console::app::{self, Options};
 use crate::console::driver::Driver;
+use crate::console::theme::{self, Theme};
 use crate::console::{Keymap, frame};
 use crate::journal::{Header, Journal, Recording, Torn};
 use crate::runtime::driver::{RealClock, SimulatedDriver};
@@ -66,16 +67,35 @@ pub(super) fn keymap(path: Option<&Path>) -> Result<Keymap, CommandError> {
     Keymap::parse(&text, &name).map_err(|error| CommandError::Input(error.to_string()))
 }
 
+/// The console's keys and colours, where no flag says which as the environment has it: `NO_COLOR`
+/// (no-color.org), and the colours that some terminals tell of in `COLORFGBG`.
+pub(super) fn options(screen: &ScreenFlags) -> Result<Options, CommandError> {
+    let keymap = keymap(screen.keymap.as_deref())?;
+    let says = |name| std::env::var_os(name).unwrap_or_default();
+    let name = match screen.theme {
+        Some(name) => name,
+        None if !says("NO_COLOR").is_empty() => ThemeName::Mono,
+        None if theme::is_light(&says("COLORFGBG").to_string_lossy()) => ThemeName::Light,
+        None => ThemeName::Dark,
+    };
+    let theme = match name {
+        ThemeName::Dark => Theme::dark(),
+        ThemeName::Light => Theme::light(),
+        ThemeName::Mono => Theme::mono(),
+    };
+    Ok(Options { keymap, theme })
+}
+
 /// The console on a world, or on the built-in one.
 ///
 /// # Errors
 /// When the world or the keymap is wrong, or the terminal cannot be used.
 pub fn console(
     world: Option<&Path>,
-    keys: Option<&Path>,
+    screen: &ScreenFlags,
     common: &Common,
 ) -> Result<u8, CommandError> {
-    let keymap = keymap(keys)?;
+    let screen = options(screen)?;
     let world = world_or_demo(world, common)?;
     let header = header_of(&world, common, None)?;
     let out = common.keeping.out.clone().map_or_else(state_folder, Ok)?;
@@ -89,7 +109,7 @@ pub fn console(
     let run = SimulatedRun::new(&world, header, noise, Some(journal));
     let driver = SimulatedDriver::new(run.recorded_at(folder.journal()));
     let mut driver = driver.writing_to(folder.clone());
-    let ended = on_screen(&mut driver, keymap)?;
+    let ended = on_screen(&mut driver, screen)?;
     let wall_seconds = driver.wall_seconds();
     let mut headless = Headless::left(driver.into_run());
     let unfinished = headless.inner().ending().is_none();
@@ -114,10 +134,8 @@ pub(super) fn say_recorded(folder: &OutputFolder, kept: &Kept) {
 /// Hands `driver` to the operator until the console is left.
 pub(super) fn on_screen(
     driver: &mut dyn Driver,
-    keymap: Keymap,
+    options: Options,
 ) -> Result<Result<app::Ending, app::ConsoleError>, CommandError> {
-    let options =
-        Options { keymap, colour: std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty()) };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime =
         runtime.map_err(|source| CommandError::System { what: "the event loop", source })?;
@@ -180,11 +198,11 @@ fn header_of(
 ///
 /// # Errors
 /// As [`console`]; also when the replay went another way than the run.
-pub fn replay(recording: Recording, keys: Option<&Path>) -> Result<u8, CommandError> {
-    let keymap = keymap(keys)?;
+pub fn replay(recording: Recording, screen: &ScreenFlags) -> Result<u8, CommandError> {
+    let screen = options(screen)?;
     warn_torn(&recording);
     let mut driver = RecordedDriver::new(Replay::new(recording));
-    let ended = on_screen(&mut driver, keymap)?;
+    let ended = on_screen(&mut driver, screen)?;
     match driver.replay().difference() {
         Some(difference) => {
             super::output::say(&format!("periplus: the replay differs from the run: {difference}"));

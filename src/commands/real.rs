@@ -3,7 +3,7 @@
 use super::ending::{self, Kept, Told};
 use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
-use crate::console::Keymap;
+use crate::console::app::Options;
 use crate::console::driver::Driver;
 use crate::console::terminal;
 use crate::export::body;
@@ -303,7 +303,7 @@ impl Driver for LiveDriver {
 ///
 /// # Errors
 /// When the port cannot be opened or the terminal not be used.
-pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8, CommandError> {
+pub fn console(address: &Address, screen: Options, common: &Common) -> Result<u8, CommandError> {
     let out = match (&common.keeping.resume, &common.keeping.out) {
         (Some(dir), _) | (None, Some(dir)) => dir.clone(),
         (None, None) => glue::state_folder()?,
@@ -314,7 +314,7 @@ pub fn console(address: &Address, keymap: Keymap, common: &Common) -> Result<u8,
     let waiting = Snapshot::waiting(settings(common)?, address.to_string());
     let watch = Stopwatch::start();
     let mut driver = LiveDriver { line, waiting };
-    let ended = glue::on_screen(&mut driver, keymap);
+    let ended = glue::on_screen(&mut driver, screen);
     let run = driver.line.leave();
     let ended = ended?;
     let why = glue::why_left(&ended);

@@ -26,8 +26,8 @@ const REST: Duration = Duration::from_millis(200);
 pub struct Options {
     /// The keys.
     pub keymap: Keymap,
-    /// Whether colours may be used.
-    pub colour: bool,
+    /// The colours.
+    pub theme: Theme,
 }
 
 /// How the console ended.
@@ -79,7 +79,7 @@ async fn turn(
     if !driver.has_own_time() {
         model.speed = None;
     }
-    let theme = if options.colour { Theme::colour() } else { Theme::mono() };
+    let theme = options.theme;
     let mut keys = EventStream::new();
     let mut tick = clock.ticker(FRAME);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);

@@ -26,7 +26,7 @@ pub enum Format {
 #[must_use]
 pub fn render(snapshot: &Snapshot, cols: u16, rows: u16, format: Format, keymap: Keymap) -> String {
     let model = Model::new(cols, rows, keymap);
-    let buf = draw(&model, snapshot, &Theme::colour());
+    let buf = draw(&model, snapshot, &Theme::dark());
     match format {
         Format::Text => text(&buf),
         Format::Ansi => ansi(&buf),
@@ -38,7 +38,7 @@ pub fn render(snapshot: &Snapshot, cols: u16, rows: u16, format: Format, keymap:
 /// that a test sees an alarm that lost its colour.
 #[must_use]
 pub fn planes(model: &Model, snapshot: &Snapshot) -> (String, String) {
-    let symbols = text(&draw(model, snapshot, &Theme::colour()));
+    let symbols = text(&draw(model, snapshot, &Theme::dark()));
     let probe = draw(model, snapshot, &Theme::probe());
     let letter = |cell: &Cell| Theme::probed(cell.fg).map_or(' ', super::theme::Role::letter);
     let mut letters = String::new();

@@ -153,9 +153,19 @@ impl Theme {
         self.styles[role as usize]
     }
 
-    /// Sixteen colours.
+    /// Sixteen colours, for a dark background.
     #[must_use]
-    pub fn colour() -> Self {
+    pub fn dark() -> Self {
+        Self::coloured(colour_of)
+    }
+
+    /// The same for a light background, on which yellow, cyan and the bright colours are hardly seen.
+    #[must_use]
+    pub fn light() -> Self {
+        Self::coloured(colour_on_light)
+    }
+
+    fn coloured(colour_of: impl Fn(Role) -> Option<Color>) -> Self {
         Self::from_fn(|role| {
             let fg = |colour: Color| Style::new().fg(colour);
             match colour_of(role) {
@@ -244,6 +254,30 @@ fn colour_of(role: Role) -> Option<Color> {
     }
 }
 
+fn colour_on_light(role: Role) -> Option<Color> {
+    match role {
+        // What fills its background is read on any.
+        role if is_chip(role) => colour_of(role),
+        // The terminal's own foreground is seen best.
+        Role::Robot | Role::Contact | Role::Trajectory => None,
+        Role::Stale | Role::Hint | Role::Warning | Role::RobotStale => Some(Color::Magenta),
+        Role::Untouched | Role::HiddenDisc => Some(Color::Red),
+        _ => colour_of(role).map(|colour| match colour {
+            Color::Cyan | Color::LightCyan => Color::Blue,
+            Color::LightMagenta => Color::Magenta,
+            Color::LightRed => Color::Red,
+            colour => colour,
+        }),
+    }
+}
+
+/// Whether `colours` says that the background is light: the last number of COLORFGBG, as rxvt has it and others
+/// have taken over.
+#[must_use]
+pub fn is_light(colours: &str) -> bool {
+    matches!(colours.rsplit(';').next(), Some("7" | "15"))
+}
+
 fn modifier_of(role: Role) -> Modifier {
     match role {
         Role::Muted
@@ -280,6 +314,45 @@ mod tests {
         assert_eq!(letters.len(), Role::ALL.len(), "two roles share a letter");
         for (index, role) in Role::ALL.iter().enumerate() {
             assert_eq!(*role as usize, index, "{role:?} is out of order in Role::ALL");
+        }
+    }
+
+    #[test]
+    fn on_a_light_background_nothing_is_drawn_in_a_pale_colour() {
+        let pale = [
+            Color::Yellow,
+            Color::LightYellow,
+            Color::Cyan,
+            Color::LightCyan,
+            Color::LightGreen,
+            Color::LightRed,
+            Color::LightMagenta,
+            Color::LightBlue,
+            Color::Gray,
+            Color::White,
+        ];
+        let light = Theme::light();
+        for role in Role::ALL {
+            let style = light.style(role);
+            let seen = style.bg.is_some() || style.fg.is_none_or(|colour| !pale.contains(&colour));
+            assert!(seen, "{role:?}: {style:?}");
+            let mono = Theme::mono().style(role).add_modifier;
+            assert!(style.add_modifier.contains(mono - Modifier::REVERSED), "{role:?}: {style:?}");
+        }
+    }
+
+    #[test]
+    fn a_terminal_says_whether_its_background_is_light() {
+        for (colours, light) in [
+            ("0;15", true),
+            ("0;7", true),
+            ("0;default;15", true),
+            ("15;0", false),
+            ("7;8", false),
+            ("default;default", false),
+            ("", false),
+        ] {
+            assert_eq!(is_light(colours), light, "{colours}");
         }
     }
 

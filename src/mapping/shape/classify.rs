@@ -18,11 +18,20 @@ const CURVE_SPAN: f64 = 25.0 * angle::PI / 180.0 - 1e-3;
 /// The class, the turn points and the parts of `outline` (counter-clockwise), which was fitted to
 /// `contacts`.
 #[must_use]
-pub fn identify(outline: Ring, _contacts: &[Contact]) -> Shape {
+pub fn identify(outline: Ring, contacts: &[Contact]) -> Shape {
+    let outline = from_the_first(outline, contacts);
     let vertices = turn_points(&outline);
     let class = class(&outline, &vertices);
     let parts = split::parts(&outline, class);
     Shape { class, outline, vertices, parts }
+}
+
+/// `outline` from the wall on that was met first: fitted anew, its walls keep their numbers.
+fn from_the_first(mut outline: Ring, contacts: &[Contact]) -> Ring {
+    let met = contacts.iter().min_by(|a, b| a.time.total_cmp(&b.time));
+    let from = met.and_then(|met| outline.nearest(met.point)).map_or(0, |foot| foot.piece);
+    outline.pieces.rotate_left(from);
+    outline
 }
 
 /// Where the outline turns by more than 1 degree, in order along it.

@@ -52,6 +52,22 @@ fn rooms_are_fitted_to_what_their_contacts_scatter_by() {
 }
 
 #[test]
+fn the_first_wall_is_the_one_that_was_met_first_wherever_a_fit_begins() {
+    let room = worlds::l_room();
+    let mut contacts = roll(&room, Roll::new(0.0, 0));
+    let fitted = outline(&contacts, REACH, 0.0, Loops::Touched).expect("an outline");
+    let met = contacts.iter_mut().min_by(|a, b| a.time.total_cmp(&b.time)).expect("a contact");
+    met.point = fitted.pieces[3].at(0.5);
+    for begun in 0..fitted.pieces.len() {
+        let mut again = fitted.clone();
+        again.pieces.rotate_left(begun);
+        let found = identify(again, &contacts).outline;
+        assert_eq!(found.pieces[0], fitted.pieces[3], "begun at {begun}");
+        assert_eq!(found.pieces[1], fitted.pieces[4], "begun at {begun}");
+    }
+}
+
+#[test]
 fn an_outline_that_leaves_out_where_the_robot_was_is_none() {
     let room = worlds::l_room();
     let mut contacts = roll(&room, Roll::new(0.0, 0));

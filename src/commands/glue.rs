@@ -6,6 +6,7 @@ use super::ending::Kept;
 use crate::cli::{Common, FrameFormat, FrameSize, ScreenFlags, SnapshotArgs, ThemeName};
 use crate::console::app::{self, Options};
 use crate::console::driver::Driver;
+use crate::console::model::Model;
 use crate::console::theme::{self, Theme};
 use crate::console::{Keymap, frame};
 use crate::journal::{Header, Journal, Recording, Torn};
@@ -236,6 +237,11 @@ pub fn snapshot_of_record(
     format: FrameFormat,
 ) -> Result<String, CommandError> {
     warn_torn(&recording);
+    let mut model = Model::new(size.columns, size.rows, Keymap::default());
+    if recording.header.robot.is_some() {
+        // A real robot has one speed, and no factor stands in the header.
+        model.speed = None;
+    }
     let mut replay = Replay::new(recording);
     let end = replay.duration();
     // The end is named in hundredths.
@@ -251,7 +257,7 @@ pub fn snapshot_of_record(
         return Err(CommandError::Input(why));
     }
     let snapshot = replay.session().snapshot();
-    Ok(frame::render(&snapshot, size.columns, size.rows, format_of(format), Keymap::default()))
+    Ok(frame::render(&model, &snapshot, format_of(format)))
 }
 
 fn format_of(format: FrameFormat) -> frame::Format {
@@ -274,6 +280,6 @@ pub fn snapshot_of_world(args: &SnapshotArgs, common: &Common) -> Result<String,
     let mut headless = Headless::new(run);
     while headless.step() == crate::runtime::Step::Going {}
     let snapshot = headless.inner().snapshot();
-    let (columns, rows) = (args.size.columns, args.size.rows);
-    Ok(frame::render(&snapshot, columns, rows, format_of(args.format), Keymap::default()))
+    let model = Model::new(args.size.columns, args.size.rows, Keymap::default());
+    Ok(frame::render(&model, &snapshot, format_of(args.format)))
 }

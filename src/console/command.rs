@@ -81,7 +81,7 @@ pub enum CommandError {
     #[error("nothing typed")]
     Empty,
     /// No such command.
-    #[error("no command `{word}`{}", .meant.as_ref().map_or_else(|| "; ? lists them".to_owned(), |name| format!("; did you mean `{name}`?")))]
+    #[error("no command `{word}`{}", .meant.as_ref().map_or_else(|| "; the help lists them".to_owned(), |name| format!("; did you mean `{name}`?")))]
     Unknown {
         /// What was typed.
         word: String,
@@ -287,7 +287,7 @@ mod tests {
             ("at", "at needs seconds"),
             ("at -3", "at needs seconds"),
             ("stop now", "`stop` stands alone"),
-            ("zzzzz", "no command `zzzzz`; ? lists them"),
+            ("zzzzz", "no command `zzzzz`; the help lists them"),
         ] {
             let message = Command::parse(text).map_err(|error| error.to_string());
             assert!(message.clone().is_err_and(|m| m.starts_with(says)), "{text}: {message:?}");

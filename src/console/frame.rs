@@ -1,6 +1,5 @@
 //! One frame without a terminal: as text, with colours, or as a picture.
 
-use super::keymap::Keymap;
 use super::model::Model;
 use super::theme::Theme;
 use super::view;
@@ -22,11 +21,10 @@ pub enum Format {
     Svg,
 }
 
-/// The frame of `snapshot` at `cols` by `rows` cells.
+/// The frame of `snapshot` in the console `model`.
 #[must_use]
-pub fn render(snapshot: &Snapshot, cols: u16, rows: u16, format: Format, keymap: Keymap) -> String {
-    let model = Model::new(cols, rows, keymap);
-    let buf = draw(&model, snapshot, &Theme::dark());
+pub fn render(model: &Model, snapshot: &Snapshot, format: Format) -> String {
+    let buf = draw(model, snapshot, &Theme::dark());
     match format {
         Format::Text => text(&buf),
         Format::Ansi => ansi(&buf),
@@ -201,6 +199,7 @@ fn braille(out: &mut String, dots: u32, at: (f64, f64), size: (f64, f64), ink: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::console::Keymap;
     use crate::geometry::Pose;
     use crate::mapping::settings::Settings;
 
@@ -209,7 +208,7 @@ mod tests {
     fn rows_are_as_long_with_wide_letters_as_without() {
         let columns = |source: &str, format| {
             let snapshot = Snapshot::waiting(Settings::new(Pose::new(0.0, 0.0, 0.0)), source);
-            let frame = render(&snapshot, 80, 24, format, Keymap::default());
+            let frame = render(&Model::new(80, 24, Keymap::default()), &snapshot, format);
             // What follows an escape follows its `m`.
             let plain = |part: &str| part.split_once('m').map_or("", |(_, text)| text).to_owned();
             let row = |row: &str| match row.split_once('\u{1b}') {

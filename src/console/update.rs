@@ -355,7 +355,12 @@ fn toggle(model: &mut Model, snapshot: &Snapshot, action: Action) {
         model.log_detail = !model.log_detail;
         model.log_detail
     };
-    let state = seen(snapshot, action, shown);
+    let state = match seen(snapshot, action, shown) {
+        "shown" if action == Action::ToggleRejected && !model.layers.plan.is_shown(over) => {
+            "shown with the plan, which is hidden"
+        }
+        state => state,
+    };
     tell(model, format!("{}: {state}", action.info().name));
 }
 

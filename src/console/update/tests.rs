@@ -6,7 +6,8 @@ use crate::console::Keymap;
 use crate::console::command::Command;
 
 use crate::geometry::{Point, Pose};
-use crate::mapping::settings::Settings;
+use crate::mapping::map::{Plan, PlanFigures};
+use crate::mapping::settings::{Settings, Strategy};
 use crate::robot::SwitchSet;
 use crate::session::snapshot::RobotView;
 
@@ -223,6 +224,13 @@ fn what_a_toggle_says_is_so_now_or_it_says_when() {
     assert_eq!(rejected, "rejected: shown as soon as there is a plan");
     assert_eq!(says(&mut model, &snapshot, Action::TogglePlan), "plan: hidden");
     assert_eq!(says(&mut model, &snapshot, Action::ToggleRejected), "rejected: hidden");
+    let figures = PlanFigures { strategy: Strategy::Lean, lines: 0, length: 0.0, hidden_disc: 0.0 };
+    let (lines, order, alternatives) = Default::default();
+    snapshot.map.plan = Some(Plan { alpha: 0.25, lines, order, figures, alternatives });
+    let rejected = says(&mut model, &snapshot, Action::ToggleRejected);
+    assert_eq!(rejected, "rejected: shown with the plan, which is hidden");
+    assert_eq!(says(&mut model, &snapshot, Action::ToggleRejected), "rejected: hidden");
+    snapshot.map.plan = None;
     snapshot.run = RunState::Failed(Failure::Ended);
     let plan = says(&mut model, &snapshot, Action::TogglePlan);
     assert_eq!(plan, "plan: there is no plan");

@@ -30,7 +30,7 @@ const LEGEND: [(Role, &str, &str); 13] = [
 ];
 
 /// The words of the screen that are not plain.
-const FIGURES: [(&str, &str); 21] = [
+const FIGURES: [(&str, &str); 22] = [
     ("× live", "how fast simulated time passes; live: a real robot, which has its own"),
     ("phase …", "how far a phase has come cannot be told"),
     ("pose", "x, y in metres and heading, anti-clockwise from east, as believed"),
@@ -56,6 +56,10 @@ const FIGURES: [(&str, &str); 21] = [
     ),
     ("squared", "walls made parallel to the axes; how far one was turned, and a corner moved"),
     ("lines", "of the plan, done of all; whole: from end to end, not: blocked or left out"),
+    (
+        "plan",
+        "lean: the fewest of the paper's lines that keep the promise; paper: all; lanes: parallel; α in metres",
+    ),
     ("promise", "hidden disc: the largest free-standing disc that the plan would miss"),
     ("driven", "hidden disc: the same for what was driven so far"),
     ("objects", "things that stand free; open: not seen all round"),

@@ -151,8 +151,11 @@ fn ended(reason: Option<DoneReason>) -> &'static str {
 fn pose_parts(robot: &RobotView, room: u16) -> Vec<String> {
     let Some(pose) = robot.pose else { return vec!["not known: lost".to_owned()] };
     let (x, y) = (pose.position.x, pose.position.y);
-    // No minus before a zero.
-    let degrees = pose.heading.to_degrees().round() + 0.0;
+    // No minus before a zero, nor before a half turn.
+    let degrees = match pose.heading.to_degrees().round() + 0.0 {
+        -180.0 => 180.0,
+        degrees => degrees,
+    };
     let whole = format!("{x:.3} {y:.3}  {degrees:.0}°");
     if words::shortened(vec![whole.clone()], room).is_some() {
         return vec![whole];
@@ -299,10 +302,10 @@ fn finding_rows(snapshot: &Snapshot) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     let open = map.objects.iter().filter(|object| !object.closed).count();
     if !map.objects.is_empty() {
-        let objects = words::count(map.objects.len(), "object", "objects");
+        let found = format!("{} found", map.objects.len());
         let parts = match open {
-            0 => vec![objects],
-            open => vec![format!("{objects},"), format!("{open} open")],
+            0 => vec![found],
+            open => vec![format!("{found},"), format!("{open} open")],
         };
         rows.push(figures("objects", parts, Role::Value));
     } else if snapshot.progress[Phase::Objects as usize].done {
@@ -327,6 +330,7 @@ fn gap_row(snapshot: &Snapshot, label: &str, names: (&str, &str), behind: bool) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Pose;
 
     #[test]
     fn where_there_is_no_room_for_all_what_matters_least_gives_way() {
@@ -345,6 +349,23 @@ mod tests {
         assert_eq!(labels(2), ["a"]);
         assert_eq!(labels(1), ["a"]);
         assert!(labels(0).is_empty());
+    }
+
+    #[test]
+    fn half_a_turn_is_the_same_either_way() {
+        let pose = |degrees: f64| {
+            let pose = Some(Pose::new(0.0, 0.0, degrees.to_radians()));
+            let (switches, bumper, moving, needs_place) = Default::default();
+            pose_parts(
+                &RobotView { pose, position_sd: 0.0, switches, bumper, moving, needs_place },
+                9,
+            )
+        };
+        for (degrees, told) in
+            [(-179.6, "180°"), (179.6, "180°"), (-0.3, "0°"), (-179.4, "-179°"), (90.0, "90°")]
+        {
+            assert_eq!(pose(degrees).last().map(String::as_str), Some(told), "{degrees}");
+        }
     }
 
     #[test]

@@ -69,7 +69,6 @@ pub struct RobotChoice {
     #[arg(
         long,
         value_name = "N",
-        requires = "port",
         conflicts_with = "world",
         value_parser = values::baud,
         allow_negative_numbers = true
@@ -319,6 +318,15 @@ mod tests {
             assert!(!snapshot.iter().any(|flag| flag == none), "snapshot --{none}");
         }
         assert!(snapshot.iter().any(|flag| flag == "alpha"), "no snapshot --alpha");
+    }
+
+    /// A config file may name the port.
+    #[test]
+    fn a_speed_needs_no_port_on_the_same_line() {
+        let flags = ["periplus", "run", "--config", "lab.toml", "--baud", "57600"];
+        assert!(Cli::try_parse_from(flags).is_ok());
+        let flags = ["periplus", "run", "--world", "flat.toml", "--baud", "57600"];
+        assert!(Cli::try_parse_from(flags).is_err(), "a world has no speed");
     }
 
     #[test]

@@ -30,17 +30,23 @@ use std::time::Duration;
 /// The port that was asked for, if one was.
 ///
 /// # Errors
-/// When it is no port's name.
+/// When it is no port's name, or a speed is given that has no serial port.
 pub fn address(
     choice: &RobotChoice,
     configured: Option<(String, String)>,
 ) -> Result<Option<Address>, CommandError> {
     let flag = choice.port.clone().map(|port| (port, "--port".to_owned()));
     let Some((text, place)) = flag.or(configured.filter(|_| choice.world.is_none())) else {
-        return Ok(None);
+        let alone =
+            |baud| format!("--baud {baud}: the speed of a serial port; name it with --port");
+        return choice.baud.map_or(Ok(None), |baud| Err(CommandError::Input(alone(baud))));
     };
     let address: Address =
         text.parse().map_err(|why| CommandError::Input(format!("{place}: {why}")))?;
+    if let (Address::Tcp { .. }, Some(baud)) = (&address, choice.baud) {
+        let why = "is the speed of a serial port, and a network has none of its own; set it at the bridge";
+        return Err(CommandError::Input(format!("--baud {baud}: {address}: {why}")));
+    }
     Ok(Some(address.at_baud(choice.baud)))
 }
 
@@ -431,5 +437,32 @@ mod tests {
         let why = taken().err().expect("it is empty").to_string();
         assert!(why.contains("never began"), "{why}");
         let _ = std::fs::remove_dir_all(&dir);
+    /// The port may be named in a file as well as by a flag.
+    #[test]
+    fn a_speed_is_that_of_a_serial_port() {
+        let flags = |port: Option<&str>| RobotChoice {
+            port: port.map(str::to_owned),
+            baud: Some(57_600),
+            ..RobotChoice::default()
+        };
+        let in_file = |port: &str| Some((port.to_owned(), "lab.toml:1: `port`".to_owned()));
+        let speed = |choice: RobotChoice, file| match address(&choice, file).expect("a port") {
+            Some(Address::Serial { path, baud }) => (path, baud),
+            other => unreachable!("{other:?}"),
+        };
+        let told = ("/dev/ttyS9".to_owned(), 57_600);
+        assert_eq!(speed(flags(Some("/dev/ttyS9")), None), told);
+        assert_eq!(speed(flags(None), in_file("/dev/ttyS9")), told);
+        let refused = |choice: RobotChoice, file| {
+            address(&choice, file).expect_err("no serial port").to_string()
+        };
+        let network = "tcp://robot.local:3333";
+        for why in [refused(flags(Some(network)), None), refused(flags(None), in_file(network))] {
+            assert!(why.contains("--baud 57600") && why.contains(network), "{why}");
+        }
+        let why = refused(flags(None), None);
+        assert!(why.contains("--baud 57600") && why.contains("--port"), "{why}");
+    }
+
     }
 }

@@ -6,7 +6,11 @@ mod shell;
 
 use periplus::journal::{Entry, Header, Journal, Record, Recording, RobotMark, read};
 use periplus::mapping::map::Phase;
-use periplus::robot::{Odometer, SwitchSet, Telemetry};
+use periplus::mapping::settings::Settings;
+use periplus::robot::{Intent, Odometer, SwitchSet, Telemetry};
+use periplus::runtime::OutputFolder;
+use periplus::runtime::simulated::{Headless, SimulatedRun};
+use periplus::simulator::{NoiseProfile, World};
 use shell::{periplus, place, refused};
 use std::fs;
 use std::process::{Command, Stdio};
@@ -187,6 +191,25 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
     refused(&calibrate, &["cannot be reached"]);
 }
 
+    fs::create_dir_all(&real).expect("a folder");
+    fs::write(real.join("journal"), journal.finish().expect("memory")).expect("a record");
+    let resume = ["run", "--port", "tcp://127.0.0.1:1", "--resume", real.to_str().expect("a path")];
+    let held = ["--alpha", "0.4", "--tape", "0,0:5,0=5.02", "--square", "--laps", "2"];
+    refused(&[&resume[..], &held].concat(), &["cannot be reached"]);
+    let cases: [(&[&str], &str); 4] = [
+        (&["--alpha", "0.25"], "--alpha was 0.25, then 0.4, and is now 0.25"),
+        (&["--alpha", "0.5"], "--alpha was 0.25, then 0.4, and is now 0.5"),
+        (
+            &["--tape", "0,0:5,0=5.1"],
+            "--tape was not given, then 0,0:5,0=5.02, and is now 0,0:5,0=5.1",
+        ),
+        (&["--laps", "1"], "--laps was 1, then 2, and is now 1"),
+    ];
+    for (flags, why) in cases {
+        refused(&[&resume[..], flags].concat(), &[why, "leave it out to go on"]);
+    }
+}
+
 /// A limit on the length of files is met as a full disk is: one message, and no word of results that
 /// are not there.
 #[cfg(unix)]
@@ -270,6 +293,11 @@ fn help_that_could_not_be_written_is_told() {
     }
 }
 
+    assert!(export("/dev/full").1.contains("/dev/full: cannot be written"));
+    let (status, told) = export(dir.join("nowhere/map.svg").to_str().expect("a path"));
+    assert_eq!(status, Some(2), "{told}");
+}
+
 /// The seeds of the two ways of a line come from the robot's, whatever it is.
 #[cfg(unix)]
 #[test]
@@ -313,4 +341,76 @@ fn a_copied_run_is_not_taken_for_one_that_went_on() {
     fs::write(run.join("map.svg"), "<svg/>").expect("another result");
     let export = periplus(&["export", from, "--format", "geojson", "--out", "-"]);
     assert!(String::from_utf8_lossy(&export.stderr).contains("made from its record"));
+}
+
+/// Nor is one that was stopped, although its record does not tell why it was, and its results do.
+#[test]
+fn a_copy_of_an_interrupted_run_keeps_what_only_the_simulator_knows() {
+    let run = place("copied-interrupted").join("run");
+    let from = run.to_str().expect("a path");
+    let text = include_str!("../sims/rectangle.toml");
+    let world = World::from_toml(text, "rectangle", 0.1).expect("a world");
+    let header = Header {
+        settings: Settings::new(world.start),
+        source: world.name.clone(),
+        noise: "calibrated".to_owned(),
+        until: None,
+        robot: None,
+    };
+    let (folder, file) = OutputFolder::create(&run).expect("a folder");
+    let journal = Journal::begin(file, &header).expect("a record");
+    let mut going = SimulatedRun::new(&world, header, NoiseProfile::Calibrated, Some(journal));
+    going.intent(Intent::Run);
+    while going.session().mission().phase() < Phase::Objects {
+        going.advance();
+    }
+    let failed = Headless::left(going).write(&folder, "stopped by interrupt (Ctrl-C)", 1.0);
+    assert_eq!(failed, None);
+    let results = ["map.geojson", "map.svg", "map.png", "map.json"];
+    let export = |name: &str| {
+        let format = name.strip_prefix("map.").expect("a map");
+        let output = periplus(&["export", from, "--format", format, "--out", "-"]);
+        (output.stdout, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    for name in results {
+        let result = fs::read(run.join(name)).expect("a result");
+        let old = fs::OpenOptions::new().append(true).open(run.join(name)).expect("a result");
+        old.set_modified(std::time::UNIX_EPOCH).expect("another age");
+        let (made, told) = export(name);
+        assert!(told.is_empty() && made == result, "{name}: {told}");
+    }
+    // It is believed of why the run was stopped, and of nothing else.
+    let record = fs::read_to_string(run.join("journal")).expect("a record");
+    let lines: Vec<&str> = record.split_inclusive('\n').collect();
+    fs::write(run.join("journal"), lines[..lines.len() - 20].concat()).expect("another record");
+    for name in ["map.geojson", "map.svg"] {
+        assert!(export(name).1.contains("made from its record"), "{name}");
+    }
+    let report = fs::read_to_string(run.join("report.json")).expect("a report");
+    fs::write(run.join("journal"), record).expect("the record");
+    let complete = report.replace("\"outcome\": \"stopped\"", "\"outcome\": \"complete\"");
+    assert!(complete != report, "{report}");
+    fs::write(run.join("report.json"), complete).expect("another report");
+    assert!(export("map.svg").1.contains("made from its record"));
+}
+
+/// Where there is no file to complain of, what the map was made from is named.
+#[test]
+fn a_map_that_was_made_from_the_record_is_not_told_by_a_file_that_is_not_there() {
+    let dir = place("made-from-record");
+    let run = dir.join("run");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let from = run.to_str().expect("a path");
+    let made = periplus(&["run", "--world", world, "--until", "boundary", "--out", from]);
+    assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
+    let record = fs::read_to_string(run.join("journal")).expect("a record");
+    let begun: Vec<&str> = record.split_inclusive('\n').take(50).collect();
+    fs::write(run.join("journal"), begun.concat()).expect("a record");
+    fs::remove_file(run.join("map.json")).expect("a result");
+    let out = dir.join("room.yaml");
+    let ros = ["export", from, "--format", "ros", "--out", out.to_str().expect("a path")];
+    let output = periplus(&ros);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("run/journal: ") && !told.contains("map.json"), "{told}");
 }

@@ -4,7 +4,7 @@
 use super::{CommandError, glue, output};
 use crate::cli::{ExportArgs, ExportFormat};
 use crate::export::native::MapFile;
-use crate::export::{geojson, png, ros, svg};
+use crate::export::{RunRecord, geojson, png, ros, svg};
 use crate::runtime::folder::{self, write_whole};
 use crate::runtime::recorded::Rebuilt;
 use std::io::ErrorKind;
@@ -23,11 +23,11 @@ pub fn export(args: &ExportArgs) -> Result<u8, CommandError> {
         ExportFormat::Ros => return ros(args),
     };
     if is_standard_output(&args.out) {
-        output::print_bytes(&result(args, name)?)?;
+        output::print_bytes(&result(args, name)?.bytes)?;
         return Ok(0);
     }
     spare_results(&args.dir, &args.out)?;
-    let bytes = result(args, name)?;
+    let Found { bytes, .. } = result(args, name)?;
     spare_others(args, &args.out)?;
     write_whole(&args.out, &bytes)?;
     Ok(0)
@@ -55,13 +55,12 @@ fn ros(args: &ExportArgs) -> Result<u8, CommandError> {
     }
     spare_results(&args.dir, yaml)?;
     spare_results(&args.dir, &picture)?;
-    let text = result(args, "map.json")?;
-    let path = args.dir.join("map.json");
-    let map = MapFile::parse(&String::from_utf8_lossy(&text))
-        .map_err(|error| CommandError::Input(format!("{}: {error}", path.display())))?;
+    let Found { bytes, from } = result(args, "map.json")?;
+    let unfit =
+        |error: &dyn std::error::Error| CommandError::Input(format!("{}: {error}", from.display()));
+    let map = MapFile::parse(&String::from_utf8_lossy(&bytes)).map_err(|error| unfit(&error))?;
     let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let files = ros::write(&map, &name)
-        .map_err(|error| CommandError::Input(format!("{}: {error}", path.display())))?;
+    let files = ros::write(&map, &name).map_err(|error| unfit(&error))?;
     spare_others(args, yaml)?;
     spare_others(args, &picture)?;
     write_whole(&picture, &files.pgm)?;
@@ -109,8 +108,15 @@ fn spare_others(args: &ExportArgs, out: &Path) -> Result<(), CommandError> {
     Err(CommandError::Input(format!("{}: {why}", out.display())))
 }
 
-/// The bytes of one result of the run.
-fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
+/// One result of a run.
+struct Found {
+    bytes: Vec<u8>,
+    /// The file that it is, or that it was made from.
+    from: PathBuf,
+}
+
+/// One result of the run.
+fn result(args: &ExportArgs, name: &str) -> Result<Found, CommandError> {
     let path = args.dir.join(name);
     let refused = |what: &str| {
         let hint = why_missing(&args.dir);
@@ -120,13 +126,13 @@ fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
         Ok(bytes) if bytes.is_empty() => refused("the file is empty"),
         Ok(bytes) if name.ends_with("json") && !is_json(&bytes) => refused("the file is damaged"),
         Ok(bytes) if went_on_after(&args.dir, &path) => newest(&args.dir, name, bytes),
-        Ok(bytes) => Ok(bytes),
+        Ok(bytes) => Ok(Found { bytes, from: path }),
         Err(error) if error.kind() == ErrorKind::NotFound => match rebuilt(&args.dir)? {
             Some(made) => {
                 output::say(
                     "periplus: there are no results of the run yet; this is made from its record",
                 );
-                of(&made, name)
+                Ok(Found { bytes: of(&made.record(), name)?, from: args.dir.join("journal") })
             }
             None => refused(&error.to_string()),
         },
@@ -136,20 +142,21 @@ fn result(args: &ExportArgs, name: &str) -> Result<Vec<u8>, CommandError> {
 
 /// The `bytes` of a result that is older than the record, unless the run went on since: then the same made from
 /// the record. Who copies a folder gives its files another age, so it is asked what the record makes.
-fn newest(dir: &Path, name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, CommandError> {
+fn newest(dir: &Path, name: &str, bytes: Vec<u8>) -> Result<Found, CommandError> {
     let why = match rebuilt(dir) {
         Ok(Some(made)) => {
-            let anew = of(&made, name)?;
-            let drawn = of(&made, "map.svg")?;
-            let is_drawn = || std::fs::read(dir.join("map.svg")).is_ok_and(|there| there == drawn);
-            let is_same = || besides_paths(&anew) == besides_paths(&bytes) && is_drawn();
-            if anew == bytes || (name == "map.geojson" && is_same()) {
-                return Ok(bytes);
+            let record = made.record();
+            let reason = why_stopped(dir);
+            let told = reason.as_deref().and_then(|reason| made.stopped_because(reason));
+            for record in std::iter::once(&record).chain(&told) {
+                if is_made_of(record, dir, name, &bytes)? {
+                    return Ok(Found { bytes, from: dir.join(name) });
+                }
             }
             output::say(
                 "periplus: the run went on after its results were written; this is made from its record",
             );
-            return Ok(anew);
+            return Ok(Found { bytes: of(&record, name)?, from: dir.join("journal") });
         }
         Ok(None) => String::new(),
         Err(error) => format!(" ({error})"),
@@ -158,7 +165,33 @@ fn newest(dir: &Path, name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, CommandErro
         "periplus: {} is older than the record of its run, which cannot be used{why}",
         dir.join(name).display()
     ));
-    Ok(bytes)
+    Ok(Found { bytes, from: dir.join(name) })
+}
+
+/// Whether the `bytes` of a result are what `record` makes of it, but for what only a simulator knows.
+fn is_made_of(
+    record: &RunRecord<'_>,
+    dir: &Path,
+    name: &str,
+    bytes: &[u8],
+) -> Result<bool, CommandError> {
+    let anew = of(record, name)?;
+    if anew == bytes {
+        return Ok(true);
+    }
+    if name != "map.geojson" || besides_paths(&anew) != besides_paths(bytes) {
+        return Ok(false);
+    }
+    let drawn = of(record, "map.svg")?;
+    Ok(std::fs::read(dir.join("map.svg")).is_ok_and(|there| there == drawn))
+}
+
+/// Why a run was stopped, as its results have it: that a signal came, or its operator left, is in no record.
+fn why_stopped(dir: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(dir.join("report.json")).ok()?;
+    let report: serde_json::Value = serde_json::from_str(&text).ok()?;
+    let reason = report.get("reason")?.as_str()?;
+    (report.get("outcome")? == "stopped").then(|| reason.to_owned())
 }
 
 /// The lines of a `map.geojson` but for the trajectories, which have the vertices of the true one where a
@@ -196,12 +229,11 @@ fn rebuilt(dir: &Path) -> Result<Option<Rebuilt>, CommandError> {
 }
 
 /// The bytes of one result, made from the record.
-fn of(made: &Rebuilt, name: &str) -> Result<Vec<u8>, CommandError> {
-    let record = made.record();
-    let drawing = || svg::write(&record, &svg::Options::default());
+fn of(record: &RunRecord<'_>, name: &str) -> Result<Vec<u8>, CommandError> {
+    let drawing = || svg::write(record, &svg::Options::default());
     Ok(match name {
-        "map.geojson" => geojson::write(&record).into_bytes(),
-        "map.json" => MapFile::of(&record).write().into_bytes(),
+        "map.geojson" => geojson::write(record).into_bytes(),
+        "map.json" => MapFile::of(record).write().into_bytes(),
         "map.png" => png::render(&drawing(), png::WIDTH)
             .map_err(|error| CommandError::Input(format!("{name}: cannot be made: {error}")))?,
         _ => drawing().into_bytes(),

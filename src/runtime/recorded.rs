@@ -17,7 +17,8 @@ pub struct Rebuilt {
     replay: Replay,
     map: RoomMap,
     noise: String,
-    ending: Ending,
+    /// How the run ended, where the record tells it.
+    ending: Option<Ending>,
 }
 
 impl Rebuilt {
@@ -32,10 +33,7 @@ impl Rebuilt {
         if let Some(difference) = replay.difference() {
             return Err(difference.clone());
         }
-        let ending = Ending::of(replay.session()).unwrap_or(Ending {
-            outcome: Outcome::Stopped,
-            reason: "the record ends here".to_owned(),
-        });
+        let ending = Ending::of(replay.session());
         let map = replay.session().mission().map_now();
         Ok(Self { replay, map, noise, ending })
     }
@@ -43,13 +41,27 @@ impl Rebuilt {
     /// The same as the exports need it.
     #[must_use]
     pub fn record(&self) -> RunRecord<'_> {
+        match &self.ending {
+            Some(Ending { outcome, reason }) => self.ended(*outcome, reason),
+            None => self.ended(Outcome::Stopped, "the record ends here"),
+        }
+    }
+
+    /// The same of a run that was stopped for a `reason` that its record does not tell; none of one whose record
+    /// tells how it ended.
+    #[must_use]
+    pub fn stopped_because<'a>(&'a self, reason: &'a str) -> Option<RunRecord<'a>> {
+        self.ending.is_none().then(|| self.ended(Outcome::Stopped, reason))
+    }
+
+    fn ended<'a>(&'a self, outcome: Outcome, reason: &'a str) -> RunRecord<'a> {
         let session = self.replay.session();
         let mission = session.mission();
         RunRecord {
             map: &self.map,
             settings: mission.settings(),
-            outcome: self.ending.outcome,
-            reason: &self.ending.reason,
+            outcome,
+            reason,
             world: session.source(),
             noise: &self.noise,
             progress: *session.progress(),

@@ -7,6 +7,7 @@ mod shell;
 use periplus::journal::{Entry, Header, Journal, Record, Recording, RobotMark, read};
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
+use periplus::mapping::tape::Tape;
 use periplus::robot::{Intent, Odometer, SwitchSet, Telemetry};
 use periplus::runtime::OutputFolder;
 use periplus::runtime::simulated::{Headless, SimulatedRun};
@@ -191,6 +192,34 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
     refused(&calibrate, &["cannot be reached"]);
 }
 
+/// What the operator changed since the run began is in the record, and that is what holds.
+#[test]
+fn a_run_goes_on_with_what_its_operator_chose_last() {
+    let dir = place("chosen");
+    let (made, real) = (dir.join("run"), dir.join("real"));
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let made = made.to_str().expect("a path");
+    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", made]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let recording = read(made.as_ref()).expect("a record");
+    let mut header = recording.header.clone();
+    header.robot = Some(RobotMark { name: "rover".to_owned(), boot: 7 });
+    let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
+    let half = &recording.records[..recording.records.len() / 2];
+    for record in half {
+        journal.record(record);
+    }
+    let time_us = half.last().expect("a record").time_us;
+    let tape: Tape = "0,0:5,0=5.02".parse().expect("a tape");
+    let wishes = [
+        Intent::SetAlpha { alpha: 0.4 },
+        Intent::SetTape { from: tape.from, to: tape.to, length: tape.length },
+        Intent::Square,
+        Intent::LapAgain,
+    ];
+    for wish in wishes {
+        journal.record(&Record { time_us, entry: Entry::Intent(wish) });
+    }
     fs::create_dir_all(&real).expect("a folder");
     fs::write(real.join("journal"), journal.finish().expect("memory")).expect("a record");
     let resume = ["run", "--port", "tcp://127.0.0.1:1", "--resume", real.to_str().expect("a path")];

@@ -97,7 +97,6 @@ fn take_up(
     let robot = header.robot.clone().ok_or_else(|| {
         refused("it was made in the simulator; the same seed makes it again".to_owned())
     })?;
-    same_settings(&header.settings, common).map_err(refused)?;
     let mut replay = Replay::new(recording);
     replay.finish();
     if let Some(difference) = replay.difference() {
@@ -110,6 +109,8 @@ fn take_up(
         let todo = "what is over is not gone on with, begin another with --out DIR";
         return Err(refused(format!("it is over: {reason}; {todo}")));
     }
+    let holds = replay.session().mission().settings();
+    same_settings(&header.settings, holds, common).map_err(refused)?;
     if until.is_some() && until != header.until {
         let told = |until: Option<Phase>| until.map_or("not given".to_owned(), |to| to.to_string());
         let (was, now) = (told(header.until), told(until));
@@ -147,48 +148,62 @@ fn reopen(dir: &Path) -> Result<(OutputFolder, File), CommandError> {
     }
 }
 
-/// A run goes on as it was begun: a flag that says something else is refused with the difference.
-fn same_settings(was: &Settings, common: &Common) -> Result<(), String> {
-    let differs = |flag: &str, was: String, now: String| {
-        Err(format!("{flag} was {was} and is now {now}; leave it out to go on"))
-    };
-    if let Some(now) = &common.keeping.name
-        && common.keeping.name != was.name
-    {
-        let was = was.name.clone().unwrap_or_else(|| "not given".to_owned());
-        return differs("--name", was, now.clone());
-    }
+/// A run goes on as it was begun, and as its operator changed it since: a flag that says something else than
+/// what `holds` now is refused with the difference.
+fn same_settings(begun: &Settings, holds: &Settings, common: &Common) -> Result<(), String> {
+    let unsaid = || "not given".to_owned();
+    let named = |name: &Option<String>| name.clone().unwrap_or_else(unsaid);
+    let taped = |tape: Option<Tape>| tape.map_or_else(unsaid, as_flag);
     let (mapping, robot) = (&common.mapping, &common.robot);
-    match (mapping.alpha, mapping.plan, mapping.contour, robot.seed, robot.start) {
-        (Some(now), ..) if now != was.alpha => {
-            differs("--alpha", was.alpha.to_string(), now.to_string())
-        }
-        (_, Some(now), ..) if now != was.strategy => {
-            differs("--plan", format!("{:?}", was.strategy), format!("{now:?}"))
-        }
-        (_, _, Some(now), ..) if now != was.contour => {
-            differs("--contour", format!("{:?}", was.contour), format!("{now:?}"))
-        }
-        (_, _, _, Some(now), _) if now != was.seed => {
-            differs("--seed", was.seed.to_string(), now.to_string())
-        }
-        (.., Some(now)) if now != was.start => {
-            differs("--start", format!("{:?}", was.start), format!("{now:?}"))
-        }
-        _ => match (mapping.laps, mapping.tape) {
-            (Some(now), _) if now != was.laps => {
-                differs("--laps", was.laps.to_string(), now.to_string())
-            }
-            (_, Some(now)) if was.tape != Some(now) => {
-                let unsaid = || "not given".to_owned();
-                differs("--tape", was.tape.map_or_else(unsaid, as_flag), as_flag(now))
-            }
-            _ if mapping.square && !was.square => {
-                differs("--square", "not given".to_owned(), "given".to_owned())
-            }
-            _ => Ok(()),
-        },
+    if let Some(now) = &common.keeping.name {
+        let now = Some(now.clone());
+        same("--name", &begun.name, &holds.name, &now, named)?;
     }
+    if let Some(now) = mapping.alpha {
+        same("--alpha", &begun.alpha, &holds.alpha, &now, f64::to_string)?;
+    }
+    if let Some(now) = mapping.plan {
+        same("--plan", &begun.strategy, &holds.strategy, &now, |plan| format!("{plan:?}"))?;
+    }
+    if let Some(now) = mapping.contour {
+        same("--contour", &begun.contour, &holds.contour, &now, |contour| format!("{contour:?}"))?;
+    }
+    if let Some(now) = robot.seed {
+        same("--seed", &begun.seed, &holds.seed, &now, u64::to_string)?;
+    }
+    if let Some(now) = robot.start {
+        same("--start", &begun.start, &holds.start, &now, |start| format!("{start:?}"))?;
+    }
+    if let Some(now) = mapping.laps {
+        // Fewer than it was begun with are those after which the robot could not go on: nobody wished for them.
+        let wished = holds.laps.max(begun.laps);
+        same("--laps", &begun.laps, &wished, &now, u32::to_string)?;
+    }
+    if let Some(now) = mapping.tape {
+        same("--tape", &begun.tape, &holds.tape, &Some(now), |tape| taped(*tape))?;
+    }
+    if mapping.square {
+        let given = |square: &bool| if *square { "given".to_owned() } else { unsaid() };
+        same("--square", &begun.square, &holds.square, &true, given)?;
+    }
+    Ok(())
+}
+
+/// Refuses a flag whose value `now` differs from the one that `holds`; the one that the run was `begun` with is
+/// told as well, where it is another.
+fn same<T: PartialEq>(
+    flag: &str,
+    begun: &T,
+    holds: &T,
+    now: &T,
+    tell: impl Fn(&T) -> String,
+) -> Result<(), String> {
+    if now == holds {
+        return Ok(());
+    }
+    let then = if begun == holds { String::new() } else { format!(", then {},", tell(holds)) };
+    let (was, now) = (tell(begun), tell(now));
+    Err(format!("{flag} was {was}{then} and is now {now}; leave it out to go on"))
 }
 
 /// A taped length as its flag takes it, metres.
@@ -422,21 +437,6 @@ pub fn ports() -> Result<u8, CommandError> {
 mod tests {
     use super::*;
 
-    /// Read before it is in hand, what the other program writes last would be cut off as damage.
-    #[test]
-    fn a_record_that_another_program_writes_is_not_even_read() {
-        let dir = std::env::temp_dir().join(format!("periplus-{}-busy", std::process::id()));
-        std::fs::create_dir_all(&dir).expect("a folder");
-        let file = File::create(dir.join("journal")).expect("a record");
-        file.try_lock().expect("nobody has it");
-        let address: Address = "tcp://127.0.0.1:1".parse().expect("an address");
-        let taken = || take_up(&address, &Common::default(), (None, false), &dir);
-        let why = taken().err().expect("two writers").to_string();
-        assert!(why.contains("another program is recording"), "{why}");
-        drop(file);
-        let why = taken().err().expect("it is empty").to_string();
-        assert!(why.contains("never began"), "{why}");
-        let _ = std::fs::remove_dir_all(&dir);
     /// The port may be named in a file as well as by a flag.
     #[test]
     fn a_speed_is_that_of_a_serial_port() {
@@ -464,5 +464,20 @@ mod tests {
         assert!(why.contains("--baud 57600") && why.contains("--port"), "{why}");
     }
 
+    /// Read before it is in hand, what the other program writes last would be cut off as damage.
+    #[test]
+    fn a_record_that_another_program_writes_is_not_even_read() {
+        let dir = std::env::temp_dir().join(format!("periplus-{}-busy", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a folder");
+        let file = File::create(dir.join("journal")).expect("a record");
+        file.try_lock().expect("nobody has it");
+        let address: Address = "tcp://127.0.0.1:1".parse().expect("an address");
+        let taken = || take_up(&address, &Common::default(), (None, false), &dir);
+        let why = taken().err().expect("two writers").to_string();
+        assert!(why.contains("another program is recording"), "{why}");
+        drop(file);
+        let why = taken().err().expect("it is empty").to_string();
+        assert!(why.contains("never began"), "{why}");
+        let _ = std::fs::remove_dir_all(&dir);
     }
 }

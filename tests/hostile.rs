@@ -322,6 +322,27 @@ fn help_that_could_not_be_written_is_told() {
     }
 }
 
+/// A full disk is no mistake in the arguments, wherever the result was to go; a folder that is not there is one.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_export_that_finds_no_room_ends_as_one_to_standard_output_does() {
+    let dir = place("export-full");
+    fs::write(dir.join("map.svg"), "<svg/>").expect("a result");
+    let from = dir.to_str().expect("a path");
+    let export = |out: &str| {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
+        let output = Command::new(env!("CARGO_BIN_EXE_periplus"))
+            .args(["export", from, "--format", "svg", "--out", out])
+            .stdout(full)
+            .output()
+            .expect("the program starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    for out in ["-", "/dev/full"] {
+        let (status, told) = export(out);
+        assert_eq!(status, Some(1), "{out}: {told}");
+        assert_eq!(told.lines().count(), 1, "{out}: {told}");
+    }
     assert!(export("/dev/full").1.contains("/dev/full: cannot be written"));
     let (status, told) = export(dir.join("nowhere/map.svg").to_str().expect("a path"));
     assert_eq!(status, Some(2), "{told}");

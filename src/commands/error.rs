@@ -53,7 +53,9 @@ impl CommandError {
     #[must_use]
     pub fn status(&self) -> u8 {
         match self {
-            Self::System { .. } | Self::Unrecorded { .. } => 1,
+            Self::System { .. }
+            | Self::Unrecorded { .. }
+            | Self::Folder(FolderError::Full { .. }) => 1,
             Self::ReaderGone => 0,
             _ => 2,
         }

@@ -4,7 +4,7 @@
 use crate::export::native::MapFile;
 use crate::export::{RunRecord, body, geojson, png, report, svg};
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// What marks a folder as holding a run.
@@ -62,6 +62,14 @@ pub enum FolderError {
         /// What the system said.
         reason: String,
     },
+    /// There is no room for it: another name would not help.
+    #[error("{}: cannot be written: {reason}; is there room on the disk?", path.display())]
+    Full {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
     /// A result could not be made.
     #[error("{}: cannot be made: {reason}", path.display())]
     Unmade {
@@ -74,7 +82,13 @@ pub enum FolderError {
 
 impl FolderError {
     fn unwritable(path: &Path, error: &io::Error) -> Self {
-        Self::Unwritable { path: path.to_owned(), reason: error.to_string() }
+        let (path, reason) = (path.to_owned(), error.to_string());
+        match error.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+                Self::Full { path, reason }
+            }
+            _ => Self::Unwritable { path, reason },
+        }
     }
 }
 
@@ -162,9 +176,9 @@ impl OutputFolder {
         }
         for failure in failures {
             let (path, reason) = match failure {
-                FolderError::Unwritable { path, reason } | FolderError::Unmade { path, reason } => {
-                    (path, reason.clone())
-                }
+                FolderError::Unwritable { path, reason }
+                | FolderError::Full { path, reason }
+                | FolderError::Unmade { path, reason } => (path, reason.clone()),
                 other => (&self.path, other.to_string()),
             };
             names.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());

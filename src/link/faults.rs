@@ -8,6 +8,9 @@ use std::str::FromStr;
 
 /// Bytes that share one fate: a line is lost whole or in part.
 const PIECE: usize = 16;
+/// The longest delay that can be asked for, seconds: a host has given up by then.
+const LONGEST_DELAY: f64 = 10.0;
+const SHARE: &str = "a share is a number from 0 to 1";
 
 /// What a line does to what is written to it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -36,20 +39,17 @@ impl FromStr for Faults {
             let wrong =
                 || format!("`{word}`: write drop, flip, double, swap or delay, and =NUMBER");
             let (name, value) = word.split_once('=').ok_or_else(wrong)?;
-            let value: f64 =
-                value.parse().ok().filter(|v| (0.0..=10.0).contains(v)).ok_or_else(wrong)?;
-            let field = match name {
-                "drop" => &mut faults.drop,
-                "flip" => &mut faults.flip,
-                "double" => &mut faults.double,
-                "swap" => &mut faults.swap,
-                "delay" => &mut faults.delay,
+            let (field, most, what) = match name {
+                "drop" => (&mut faults.drop, 1.0, SHARE),
+                "flip" => (&mut faults.flip, 1.0, SHARE),
+                "double" => (&mut faults.double, 1.0, SHARE),
+                "swap" => (&mut faults.swap, 1.0, SHARE),
+                "delay" => (&mut faults.delay, LONGEST_DELAY, "a delay is from 0 to 10 seconds"),
                 _ => return Err(wrong()),
             };
-            // The delay is in seconds, the others are shares.
-            if name != "delay" && value > 1.0 {
-                return Err(format!("`{word}`: a share is a number from 0 to 1"));
-            }
+            let value: Option<f64> =
+                value.parse().ok().filter(|value| (0.0..=most).contains(value));
+            let value = value.ok_or_else(|| format!("`{word}`: {what}"))?;
             *field = value;
         }
         Ok(faults)
@@ -125,5 +125,25 @@ mod tests {
         for bad in ["drop=2", "flip=1.1", "swap=-1", "delay=11", "mute=1", "drop"] {
             assert!(bad.parse::<Faults>().is_err(), "`{bad}` was taken");
         }
+    }
+
+    #[test]
+    fn what_is_refused_is_told_with_how_far_it_goes() {
+        for name in ["drop", "flip", "double", "swap"] {
+            for value in ["1.1", "20", "-1", "nan", "much", ""] {
+                let told = format!("{name}={value}").parse::<Faults>().expect_err(value);
+                assert!(
+                    told.contains(&format!("`{name}={value}`")) && told.contains("0 to 1"),
+                    "{told}"
+                );
+            }
+        }
+        for value in ["10.1", "20", "-1", "inf", "long"] {
+            let told = format!("drop=0.1,delay={value}").parse::<Faults>().expect_err(value);
+            assert!(told.contains(&format!("`delay={value}`")), "{told}");
+            assert!(told.contains(&format!("0 to {LONGEST_DELAY} seconds")), "{told}");
+        }
+        let told = "mute=1".parse::<Faults>().expect_err("none of them");
+        assert!(told.contains("drop, flip, double, swap or delay"), "{told}");
     }
 }

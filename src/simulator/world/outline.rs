@@ -11,6 +11,10 @@ pub(super) type Corner = (f64, f64, f64);
 const FAR: f64 = 1e5;
 const TOO_FAR: &str = "lies more than 100 km from the origin; lengths are metres";
 
+/// Corners that no more than this of an outline parts, metres, are one: other programs write it twice, each time
+/// with the rounding of its own sums, and so short a piece would be met by those on either side of it.
+const ROUNDING: f64 = 1e-6;
+
 /// The ring through `corners`, checked and counter-clockwise.
 pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> {
     let error = |what: String| Err(WorldError::new(place, what));
@@ -32,14 +36,11 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
     for &c in corners {
         match kept.last_mut() {
             // What leads on from a corner that is written twice is what is written last.
-            Some(last) if last.0 == c.0 && last.1 == c.1 => last.2 = c.2,
+            Some(last) if is_same(*last, c) => last.2 = c.2,
             _ => kept.push(c),
         }
     }
-    while kept.len() > 1
-        && kept[0].0 == kept[kept.len() - 1].0
-        && kept[0].1 == kept[kept.len() - 1].1
-    {
+    while kept.len() > 1 && is_same(kept[kept.len() - 1], kept[0]) {
         kept.pop();
     }
     let bulged = kept.iter().any(|c| c.2 != 0.0);
@@ -47,12 +48,7 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
         return error("an outline needs three different vertices".to_owned());
     }
     let count = kept.len();
-    let pieces = (0..count)
-        .map(|k| {
-            let (from, to) = (kept[k], kept[(k + 1) % count]);
-            Piece::with_bulge(Point::new(from.0, from.1), Point::new(to.0, to.1), from.2)
-        })
-        .collect();
+    let pieces = (0..count).map(|k| piece(kept[k], kept[(k + 1) % count])).collect();
     let ring = Ring { pieces };
     // A bulge can throw an arc far beyond its ends.
     let points = ring.bounds().map_or([0.0; 4], |(low, high)| [low.x, low.y, high.x, high.y]);
@@ -66,6 +62,16 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
         return error("the outline encloses no area".to_owned());
     }
     Ok(ring.counter_clockwise())
+}
+
+/// What leads from a corner to the next one.
+fn piece(from: Corner, to: Corner) -> Piece {
+    Piece::with_bulge(Point::new(from.0, from.1), Point::new(to.0, to.1), from.2)
+}
+
+/// Whether nothing but rounding parts a corner from the next one.
+fn is_same(corner: Corner, next: Corner) -> bool {
+    piece(corner, next).length() <= ROUNDING
 }
 
 /// A full circle, checked.
@@ -176,6 +182,34 @@ mod tests {
         straight.insert(2, (4.0, 0.0, 0.0));
         let area = told(&straight).expect("a room");
         assert!((area - 8.0).abs() < 1e-9, "the way from the corner to itself has no arc: {area}");
+    }
+
+    /// Sums in another order end in another last digit.
+    #[test]
+    fn corners_that_differ_by_rounding_are_one() {
+        let once = [(0.0, 0.0, 0.0), (4.0, 0.0, 1.0), (4.0, 2.0, 0.0), (0.0, 2.0, 0.0)];
+        let area = told(&once).expect("a room");
+        for off in [1e-15, -1e-15, 3e-10, -5e-7] {
+            for k in 0..once.len() {
+                // The arc that follows is that of the corner that is written last.
+                let mut twice = once.to_vec();
+                twice[k] = (once[k].0 + off, once[k].1 - off / 3.0, 0.5);
+                twice.insert(k + 1, once[k]);
+                let now = told(&twice).unwrap_or_else(|why| panic!("{off} at {k}: {why}"));
+                assert!((now - area).abs() < 1e-5, "{off} at {k}: {now} of {area}");
+            }
+            // Closed by hand, as GeoJSON asks for.
+            let mut closed = once.to_vec();
+            closed.push((off, off / 2.0, 0.7));
+            let now = told(&closed).unwrap_or_else(|why| panic!("{off}, closed: {why}"));
+            assert!((now - area).abs() < 1e-5, "{off}, closed: {now} of {area}");
+        }
+        // A wall of a millimetre is one, and an arc that comes back to where it began as well.
+        let step =
+            [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 2.0, 0.0), (3.999, 2.0, 0.0), (0.0, 3.0, 0.0)];
+        assert_eq!(ring(&step, "here").expect("a room").pieces.len(), 5);
+        let loops = [(0.0, 0.0, 0.0), (4.0, 0.0, 1e8), (4.0, 1e-8, 0.0), (0.0, 2.0, 0.0)];
+        assert_eq!(ring(&loops, "here").expect("a room").pieces.len(), 4);
     }
 
     /// A hall between a half circle of 20 m and the straight wall at x = `back`, on either side of it, with a

@@ -6,7 +6,7 @@ use super::{Outcome, PHASES, RunRecord, rounded};
 use crate::geometry::measure::measure;
 use crate::mapping::calibration::{Calibration, Measured};
 use crate::mapping::map::{
-    ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, Shape, ShapeClass,
+    ObjectClass, Part, PartClass, Phase, Plan, PlanFigures, PlanLine, Shape, ShapeClass,
 };
 use crate::mapping::settings::{Contour, Strategy};
 use crate::mapping::trust::Doubted;
@@ -139,6 +139,9 @@ struct PlanReport {
     chosen: StrategyFigures,
     /// Diameter of the hidden disc as the plan was made; that of the strategy is as driven, once it was.
     hidden_disc_planned_m: f64,
+    /// Lines driven beyond the plan as it was made, and what they come to without the ways between them.
+    added_lines: usize,
+    added_length_m: f64,
     alternatives: Vec<StrategyFigures>,
 }
 
@@ -219,6 +222,7 @@ fn shape(shape: &Shape) -> ShapeFigures {
 }
 
 fn plan_report(plan: &Plan, driven: Option<f64>) -> PlanReport {
+    let length = |line: &PlanLine| line.drive.map_or(0.0, |(from, to)| (to - from).norm());
     PlanReport {
         // What was driven counts, once it was: the plan may have been amended on the way.
         chosen: StrategyFigures {
@@ -226,6 +230,8 @@ fn plan_report(plan: &Plan, driven: Option<f64>) -> PlanReport {
             ..strategy(&plan.figures)
         },
         hidden_disc_planned_m: rounded(plan.figures.hidden_disc, 4),
+        added_lines: plan.added().count(),
+        added_length_m: rounded(plan.added().map(length).sum(), 3),
         alternatives: plan.alternatives.iter().map(strategy).collect(),
     }
 }
@@ -262,6 +268,8 @@ fn objects(record: &RunRecord<'_>) -> Vec<Object> {
 mod tests {
     use super::super::sample;
     use super::*;
+    use crate::geometry::Point;
+    use crate::mapping::map::LineStatus;
     use serde_json::Value;
 
     fn parsed(record: &RunRecord<'_>) -> Value {
@@ -331,6 +339,27 @@ mod tests {
         for key in ["boundary", "shape", "plan"] {
             assert!(report[key].is_null(), "{key} of an empty map is {}", report[key]);
         }
+    }
+
+    /// What was driven beyond the plan is told beside what was planned, which stays what it was.
+    #[test]
+    fn lines_that_were_added_are_told_with_their_length() {
+        let mut sample = sample::room();
+        let plan = &parsed(&sample.record())["plan"];
+        assert_eq!((&plan["added_lines"], &plan["added_length_m"]), (&0.into(), &0.0.into()));
+        let (lines, length) = (plan["lines"].clone(), plan["length_m"].clone());
+        if let Some(plan) = &mut sample.map.plan {
+            let driven = |line: &&PlanLine| line.status == LineStatus::Driven;
+            let line = plan.lines.iter().find(driven).cloned().expect("a line");
+            let way = |x: f64| Some((Point::new(1.0, 1.0), Point::new(x, 1.0)));
+            plan.lines.push(PlanLine { id: 98, drive: way(2.5), ..line });
+            plan.lines.push(PlanLine { id: 99, drive: way(3.0), ..line });
+            // One that was not driven was not added either.
+            plan.lines.push(PlanLine { id: 97, status: LineStatus::Rejected, ..line });
+        }
+        let plan = &parsed(&sample.record())["plan"];
+        assert_eq!((&plan["added_lines"], &plan["added_length_m"]), (&2.into(), &3.5.into()));
+        assert_eq!((&plan["lines"], &plan["length_m"]), (&lines, &length));
     }
 
     #[test]

@@ -246,6 +246,12 @@ impl Plan {
     pub fn is_own(&self, id: u32) -> bool {
         self.order.iter().any(|(own, _)| *own == id)
     }
+
+    /// The lines that were driven beyond the plan as it was made, to keep its promise.
+    pub fn added(&self) -> impl Iterator<Item = &PlanLine> {
+        let beyond = |line: &&PlanLine| line.status == LineStatus::Driven && !self.is_own(line.id);
+        self.lines.iter().filter(beyond)
+    }
 }
 
 /// What an object looks like.

@@ -266,15 +266,15 @@ fn plan_rows(snapshot: &Snapshot) -> Vec<Row> {
         let (alpha, length) = (plan.alpha, plan.figures.length);
         let parts = vec![name.to_owned(), format!("α {alpha:.2},"), format!("{length:.0} m")];
         rows.push(figures("plan", parts, Role::Value));
-        let count = |status: LineStatus, of_plan: bool| {
+        let count = |status: LineStatus| {
             let lines = plan.lines.iter().filter(|line| line.status == status);
-            lines.filter(|line| plan.is_own(line.id) == of_plan).count()
+            lines.filter(|line| plan.is_own(line.id)).count()
         };
-        let whole = count(LineStatus::Driven, true);
-        let blocked = count(LineStatus::Blocked, true);
-        let left_out = count(LineStatus::Skipped, true);
+        let whole = count(LineStatus::Driven);
+        let blocked = count(LineStatus::Blocked);
+        let left_out = count(LineStatus::Skipped);
         let (done, lines) = (whole + blocked + left_out, plan.figures.lines);
-        let parts = match count(LineStatus::Driven, false) {
+        let parts = match plan.added().count() {
             0 => vec![format!("{done}/{lines} done")],
             more => vec![format!("{done}/{lines} done,"), format!("{more} added")],
         };

@@ -1,7 +1,7 @@
 //! The figures under a picture's title, in words.
 
 use super::super::{Outcome, PHASES, RunRecord};
-use super::{Options, dimensions, pens};
+use super::dimensions;
 use crate::geometry::Ring;
 use crate::mapping::map::{Part, PartClass, Phase, Shape, ShapeClass};
 use crate::wording::{self, clock, count, ended};
@@ -131,8 +131,7 @@ fn plan(record: &RunRecord<'_>) -> Option<String> {
     let plan = record.map.plan.as_ref()?;
     let strategy = format!("{:?}", plan.figures.strategy).to_lowercase();
     let mut lines = count(plan.figures.lines, "line", "lines");
-    let drawn = |line| pens::of_line(line, plan, &Options::default());
-    let added = plan.lines.iter().filter_map(drawn).filter(|pen| *pen == pens::ADDED).count();
+    let added = plan.added().count();
     if added > 0 {
         lines = format!("{lines} and {added} added");
     }

@@ -116,7 +116,7 @@ pub(super) const TRAJECTORY: Pen = pen("trajectory", "trajectory", color::TRAIL,
 
 const PLANNED: Pen = Pen::of_plan("plan-planned", "line planned", color::PLANNED, "");
 const DRIVEN: Pen = Pen::of_plan("plan-driven", "line driven", color::DRIVEN, "");
-pub(super) const ADDED: Pen = Pen::of_plan("plan-added", "line added", color::DRIVEN, "4 2");
+const ADDED: Pen = Pen::of_plan("plan-added", "line added", color::DRIVEN, "4 2");
 const BLOCKED: Pen = Pen::of_plan("plan-blocked", "line blocked", color::BLOCKED, "");
 const SKIPPED: Pen = Pen::of_plan("plan-skipped", "line skipped", color::SKIPPED, "5 4");
 const REJECTED: Pen = Pen::of_plan("plan-rejected", "line rejected", color::REJECTED, "3 4");

@@ -20,6 +20,16 @@ pub fn ended(outcome: &str, reason: &str) -> String {
     if reason.starts_with(outcome) { reason.to_owned() } else { format!("{outcome}: {reason}") }
 }
 
+/// The median of some figures; of an even number of them the mean of the two in the middle. None of none.
+#[must_use]
+pub fn median(figures: &[f64]) -> Option<f64> {
+    let mut sorted = figures.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let above = *sorted.get(sorted.len() / 2)?;
+    let below = sorted[(sorted.len() - 1) / 2];
+    Some(f64::midpoint(below, above))
+}
+
 /// A standard error: whole millimetres, rounded up as in the map file, from 10 m on metres. What is not known
 /// exactly is not 0.
 #[must_use]
@@ -53,6 +63,15 @@ mod tests {
         assert_eq!(error(1e-5), "1 mm");
         assert_eq!(turn_error(0.1612_f64.to_radians()), "0.17°");
         assert_eq!(turn_error(1e-6), "0.01°");
+    }
+
+    #[test]
+    fn of_an_even_number_both_in_the_middle_count() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[7.0]), Some(7.0));
+        assert_eq!(median(&[5.0, 1.0]), Some(3.0));
+        assert_eq!(median(&[9.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[9.0, 4.0, 1.0, 2.0]), Some(3.0));
     }
 
     #[test]

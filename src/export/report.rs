@@ -362,6 +362,17 @@ mod tests {
         assert_eq!((&plan["lines"], &plan["length_m"]), (&lines, &length));
     }
 
+    /// Half of the walls are known better than the median, and half worse.
+    #[test]
+    fn the_median_of_an_even_number_lies_between_the_two_in_the_middle() {
+        let mut sample = sample::room();
+        let accuracy = sample.map.accuracy.as_mut().expect("errors");
+        accuracy.walls = vec![0.009, 0.001, 0.002, 0.004];
+        let report = parsed(&sample.record());
+        assert_eq!(report["boundary"]["standard_error"]["walls"]["median_m"], 0.003);
+        assert_eq!(report["boundary"]["standard_error"]["walls"]["worst_m"], 0.009);
+    }
+
     #[test]
     fn a_perfect_lap_has_no_ratio() {
         let mut sample = sample::room();

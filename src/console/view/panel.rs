@@ -231,9 +231,7 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
     if let Some(accuracy) = &map.accuracy
         && let Some((_, worst)) = accuracy.worst_corner()
     {
-        let mut walls = accuracy.walls.clone();
-        walls.sort_by(f64::total_cmp);
-        let median = walls.get(walls.len() / 2).copied().unwrap_or(worst);
+        let median = wording::median(&accuracy.walls).unwrap_or(worst);
         rows.push(row("± walls", wording::error(median), Role::Text));
         let worst = vec![format!("± {}", wording::error(worst)), "at worst".to_owned()];
         rows.push(figures("corners", worst, Role::Text).spare(3));

@@ -5,6 +5,7 @@ use crate::export::{RunRecord, boundary, rounded};
 use crate::geometry::Piece;
 use crate::mapping::accuracy::Accuracy;
 use crate::mapping::map::Misclosure;
+use crate::wording::median;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -118,9 +119,7 @@ fn squared(record: &RunRecord<'_>) -> Option<SquaredFigures> {
 
 fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {
     let of = |all: &[f64]| {
-        let mut sorted = all.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let (median, worst) = (*sorted.get(sorted.len() / 2)?, *sorted.last()?);
+        let (median, worst) = (median(all)?, all.iter().copied().fold(0.0, f64::max));
         Some(Spread { median_m: rounded(median, 4), worst_m: rounded(worst, 4) })
     };
     let whole_map = accuracy.datum.map(|datum| DatumFigures {

@@ -53,9 +53,9 @@ fn span((low, high): (f64, f64)) -> String {
 fn errors(record: &RunRecord<'_>) -> Option<String> {
     let known = record.map.accuracy.as_ref()?;
     let of = |name: &str, all: &[f64]| {
-        let mut sorted: Vec<f64> = all.iter().map(|metres| wording::millimetres(*metres)).collect();
-        sorted.sort_by(f64::total_cmp);
-        let (median, worst) = (sorted.get(sorted.len() / 2)?, sorted.last()?);
+        let worst = all.iter().copied().fold(0.0, f64::max);
+        let (median, worst) =
+            (wording::millimetres(wording::median(all)?), wording::millimetres(worst));
         Some(format!("{name} ± {median:.0} ({worst:.0}) mm"))
     };
     let objects = &known.objects[..known.objects.len().min(record.map.objects.len())];

@@ -202,7 +202,7 @@ void Robot::command(Kind kind, uint32_t seq, double amount, double most, uint16_
     speed_ = 0;
     still_ = 0;
     driven_ = 0;
-    stopped_ = false;
+    stopped_ = struck_ = false;
     why_[0] = 0;
     from_ = last_ = now();
   }
@@ -299,7 +299,10 @@ void Robot::control() {
   if (kind_ == kMove && fabs(left) < tick * 0.55) left = 0;
   const double acceleration = chassis_.acceleration * 1e-3 *
                               (kind_ == kTurn ? 2 / (chassis_.base * 1e-5) : 1);
-  if (kind_ == kMove && amount_ > 0 && hw_.bumper()) end("bump");
+  if (kind_ == kMove && amount_ > 0 && hw_.bumper()) {
+    struck_ = true;
+    end("bump");
+  }
   const bool stands = at.left == last_.left && at.right == last_.right;
   const double pushes = fmin(0.05, chassis_.speed * 1e-3 / 4);  // so fast the wheels should turn
   const bool still = kind_ == kMove && stands && fabs(speed_) > pushes;
@@ -309,7 +312,7 @@ void Robot::control() {
   if ((at.time - from_.time) * 1e-6 > limit_) end(kind_ == kRest ? "ok" : "time");
   const double change = acceleration * kStep;
   const bool complete = kind_ != kRest && fabs(left) < 1e-4 && fabs(speed_) <= change;
-  const bool hit = !strcmp(why_, "bump") || !strcmp(why_, "stall");
+  const bool hit = struck_ || !strcmp(why_, "stall");
   if (hit) {
     speed_ = 0;
   } else if (why_[0]) {

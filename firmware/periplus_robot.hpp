@@ -94,6 +94,7 @@ class Robot {
   char why_[8] = "";
 };
 
+  bool struck_ = false;   // the bumper was pressed: stands at once, likewise
 uint16_t crc16(const char* bytes, size_t count);
 
 }  // namespace periplus

@@ -111,6 +111,15 @@ fn an_echo_is_no_host() {
 /// How many steps it takes to stand, after a motion began to brake by itself: on its own, and with a stop.
 #[test]
 fn a_stop_brakes_hard_what_is_braking_already() {
+/// How many steps it drives on when the bumper is pressed while it brakes for another reason, and what it tells.
+#[test]
+fn the_bumper_stops_at_once_what_is_braking_already() {
+    let place = folder("firmware_bumper");
+    let Some(program) = built("tests/firmware/bumper.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    assert_eq!(String::from_utf8(said).expect("text").trim(), "1 time");
+}
+
     let place = folder("firmware_stop");
     let Some(program) = built("tests/firmware/stop.cpp", &place) else { return };
     let said = Command::new(program).output().expect("it runs").stdout;

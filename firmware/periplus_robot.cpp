@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 namespace periplus {
@@ -32,6 +31,64 @@ class Decimal {
  private:
   char digits_[21] = {};  // 19 of them, a sign, and the end
   size_t first_ = sizeof digits_ - 1;
+};
+
+// The fields of a body, one after the other, each after a single space. scanf would take more than the page
+// allows: signs, more spaces or none, numbers that do not fit.
+class Fields {
+ public:
+  explicit Fields(const char* at) : at_(at) {}
+
+  // A whole number without a sign.
+  uint32_t number(uint32_t most = 0xFFFFFFFF, unsigned base = 10) {
+    good_ = good_ && *at_++ == ' ';
+    return good_ ? digits(most, base) : 0;
+  }
+
+  // One that may be negative.
+  int32_t amount() {
+    good_ = good_ && *at_++ == ' ';
+    if (!good_) return 0;
+    const bool negative = *at_ == '-';
+    if (negative) ++at_;
+    const uint32_t size = digits(0x7FFFFFFF, 10);
+    return negative ? -static_cast<int32_t>(size) : static_cast<int32_t>(size);
+  }
+
+  uint16_t set() { return static_cast<uint16_t>(number(0xFFFF, 16)); }
+
+  // Motions are counted from 1.
+  uint32_t sequence() {
+    const uint32_t seq = number();
+    good_ = good_ && seq > 0;
+    return seq;
+  }
+
+  // Whether all that was read so far made sense. What comes after it is for later versions to know.
+  bool good() const { return good_; }
+
+ private:
+  uint32_t digits(uint32_t most, unsigned base) {
+    const char* first = at_;
+    uint32_t value = 0;
+    for (; *at_ && *at_ != ' '; ++at_) {
+      const char c = *at_;
+      const unsigned digit = c >= '0' && c <= '9'   ? c - '0'
+                             : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                             : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                                                    : 99;
+      if (digit >= base || value > (most - digit) / base) {
+        good_ = false;
+        return 0;
+      }
+      value = value * base + digit;
+    }
+    good_ = at_ > first;
+    return value;
+  }
+
+  const char* at_;
+  bool good_ = true;
 };
 
 // Microradians, to the nearest.
@@ -119,10 +176,9 @@ void Robot::receive(uint8_t b) {
 void Robot::line() {
   line_[length_] = 0;
   char* star = line_ + length_ - 5;
-  if (*star != '*') return;
-  char* after = nullptr;
-  const unsigned long told = strtoul(star + 1, &after, 16);
-  if (after != line_ + length_ || told != crc16(line_, static_cast<size_t>(star - line_))) return;
+  char sum[6];
+  snprintf(sum, sizeof sum, "*%04X", crc16(line_, static_cast<size_t>(star - line_)));
+  if (strcmp(star, sum)) return;
   *star = 0;
   if (asked()) heard_ = hw_.micros();
 }
@@ -130,39 +186,69 @@ void Robot::line() {
 // Does what the body in `line_` asks for; whether a host can have said it. Other lines are no sign of one: a
 // line that echoes gives the robot back what it said itself, for ever.
 bool Robot::asked() {
-  unsigned long seq = 0, number = 0;
-  long amount = 0, most = 0, limit = 0;
-  unsigned rise = 0, fall = 0, version = 0;
-  char body[kLongestLine];
-  if (sscanf(line_, "H %u %lx", &version, &number) == 2) {
-    hello(static_cast<uint32_t>(number));
-  } else if (sscanf(line_, "P %lu %lu", &number, &seq) == 2) {
-    int kept = 0;  // what the host has needs not be said again
-    for (int k = 0; k < kept_count_; ++k)
-      if (kept_[k].number > seq) kept_[kept++] = kept_[k];
-    kept_count_ = kept;
-    snprintf(body, sizeof body, "p %lu", number);
-    say(body);
-  } else if (sscanf(line_, "S %lu", &seq) == 1) {
-    stop();
-    snprintf(body, sizeof body, "a %lu", seq);
-    say(body);
-  } else if (sscanf(line_, "M %lu %ld %ld %x %x %ld", &seq, &amount, &most, &rise, &fall, &limit) == 6) {
-    command(kMove, static_cast<uint32_t>(seq), amount * 1e-5, most * 1e-3, static_cast<uint16_t>(rise),
-            static_cast<uint16_t>(fall), limit * 1e-3);
-  } else if (sscanf(line_, "T %lu %ld %ld %x %x %ld", &seq, &amount, &most, &rise, &fall, &limit) == 6) {
-    command(kTurn, static_cast<uint32_t>(seq), amount * 1e-6, most * 1e-3, static_cast<uint16_t>(rise),
-            static_cast<uint16_t>(fall), limit * 1e-3);
-  } else if (sscanf(line_, "R %lu %ld", &seq, &limit) == 2) {
-    command(kRest, static_cast<uint32_t>(seq), 0, 0, 0, 0, limit * 1e-3);
-  } else {
-    if (sscanf(line_, "%*1[MTR] %lu", &seq) == 1) {
-      snprintf(body, sizeof body, "n %lu not understood", seq);
-      say(body);
+  Fields fields(line_ + 1);
+  switch (line_[0]) {
+    case 'H': {
+      fields.number();  // the version
+      const uint32_t session = fields.number(0xFFFFFFFF, 16);
+      if (fields.good()) hello(session);
+      return fields.good();
     }
+    case 'P': {
+      const uint32_t number = fields.number(), event = fields.number();
+      if (fields.good()) pinged(number, event);
+      return fields.good();
+    }
+    case 'S': {
+      const uint32_t seq = fields.number();
+      if (!fields.good()) return false;
+      stop();
+      answer('a', seq);
+      return true;
+    }
+    case 'M': return motion(kMove);
+    case 'T': return motion(kTurn);
+    case 'R': return motion(kRest);
+    default: return false;
+  }
+}
+
+// Whether the body in `line_` is a motion of that kind; it is begun then, or refused.
+bool Robot::motion(Kind kind) {
+  Fields fields(line_ + 1);
+  int32_t amount = 0, most = 0;
+  uint16_t rise = 0, fall = 0;
+  const uint32_t seq = fields.sequence();
+  if (kind != kRest) {
+    amount = fields.amount();
+    most = fields.amount();
+    rise = fields.set();
+    fall = fields.set();
+  }
+  const int32_t limit = fields.amount();
+  if (!fields.good()) {
+    Fields number(line_ + 1);
+    const uint32_t refused = number.number();
+    if (number.good()) answer('n', refused, " not understood");
     return false;
   }
+  command(kind, seq, amount * (kind == kMove ? 1e-5 : 1e-6), most * 1e-3, rise, fall, limit * 1e-3);
   return true;
+}
+
+void Robot::answer(char letter, uint32_t number, const char* rest) {
+  char body[kLongestLine];
+  snprintf(body, sizeof body, "%c %lu%s", letter, static_cast<unsigned long>(number), rest);
+  say(body);
+}
+
+// The host is there: what it has needs not be said again.
+void Robot::pinged(uint32_t number, uint32_t event) {
+  int kept = 0;
+  for (int k = 0; k < kept_count_; ++k)
+    if (kept_[k].number > event) kept_[kept++] = kept_[k];
+  kept_count_ = kept;
+  answer('p', number);
 }
 
 void Robot::hello(uint32_t session) {
@@ -178,19 +264,14 @@ void Robot::hello(uint32_t session) {
 
 void Robot::command(Kind kind, uint32_t seq, double amount, double most, uint16_t rise, uint16_t fall,
                     double limit) {
-  char body[kLongestLine];
   const double fastest = (kind == kMove ? chassis_.speed : chassis_.rate) * 1e-3;
-  const char* objection = !known_                                   ? "say hello first"
+  const char* objection = !known_                                   ? " say hello first"
                           : seq <= newest_                          ? nullptr
-                          : kind_ != kNone                          ? "another motion is in hand"
-                          : most < 0 || most > fastest * 1.001      ? "faster than this robot can go"
-                          : limit <= 0                              ? "without a time limit"
+                          : kind_ != kNone                          ? " another motion is in hand"
+                          : most < 0 || most > fastest * 1.001      ? " faster than this robot can go"
+                          : limit <= 0                              ? " without a time limit"
                                                                     : nullptr;
-  if (objection) {
-    snprintf(body, sizeof body, "n %lu %s", static_cast<unsigned long>(seq), objection);
-    say(body);
-    return;
-  }
+  if (objection) return answer('n', seq, objection);
   if (seq > newest_) {  // else it is a repetition, and only acknowledged
     newest_ = seq_ = seq;
     kind_ = kind;
@@ -206,8 +287,7 @@ void Robot::command(Kind kind, uint32_t seq, double amount, double most, uint16_
     why_[0] = 0;
     from_ = last_ = now();
   }
-  snprintf(body, sizeof body, "a %lu", static_cast<unsigned long>(seq));
-  say(body);
+  answer('a', seq);
 }
 
 // The motion in hand is to end; the first reason counts.

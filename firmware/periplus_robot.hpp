@@ -1,6 +1,6 @@
 // The robot's side of the Periplus wire protocol, version 1 (src/wire/PROTOCOL.md), for any board with a
-// C++11 compiler: no heap, no exceptions, no library beyond <string.h>, <stdio.h>, <stdlib.h> and
-// <math.h>. What is peculiar to a board is behind `Hardware`; see README.md for wiring and porting.
+// C++11 compiler: no heap, no exceptions, no library beyond <string.h>, <stdio.h> and <math.h>.
+// What is peculiar to a board is behind `Hardware`; see README.md for wiring and porting.
 //
 // Licensed as Periplus itself: MIT or Apache-2.0, at your option.
 #pragma once
@@ -62,6 +62,9 @@ class Robot {
   void introduce();
   void line();
   bool asked();
+  bool motion(Kind kind);
+  void answer(char letter, uint32_t number, const char* rest = "");
+  void pinged(uint32_t number, uint32_t event);
   void hello(uint32_t session);
   void command(Kind kind, uint32_t seq, double amount, double most, uint16_t rise, uint16_t fall,
                double limit);
@@ -91,10 +94,10 @@ class Robot {
   int still_ = 0;        // steps driven without a tick
   double driven_ = 0;    // and how far, metres
   bool stopped_ = false;  // brakes hard, whatever the reason that is told
+  bool struck_ = false;   // the bumper was pressed: stands at once, likewise
   char why_[8] = "";
 };
 
-  bool struck_ = false;   // the bumper was pressed: stands at once, likewise
 uint16_t crc16(const char* bytes, size_t count);
 
 }  // namespace periplus

@@ -4,7 +4,10 @@
 #![expect(clippy::print_stderr, reason = "a test that was skipped says so")]
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
-use std::io::{BufRead, BufReader};
+use periplus::firmware::Device;
+use periplus::robot::Chassis;
+use periplus::wire::{Decoder, Item, ToRobot, VERSION, seal};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -108,9 +111,6 @@ fn an_echo_is_no_host() {
     assert!((20..=28).contains(&steps), "it stood after {steps} steps of 20 ms");
 }
 
-/// How many steps it takes to stand, after a motion began to brake by itself: on its own, and with a stop.
-#[test]
-fn a_stop_brakes_hard_what_is_braking_already() {
 /// How many steps it drives on when the bumper is pressed while it brakes for another reason, and what it tells.
 #[test]
 fn the_bumper_stops_at_once_what_is_braking_already() {
@@ -120,6 +120,9 @@ fn the_bumper_stops_at_once_what_is_braking_already() {
     assert_eq!(String::from_utf8(said).expect("text").trim(), "1 time");
 }
 
+/// How many steps it takes to stand, after a motion began to brake by itself: on its own, and with a stop.
+#[test]
+fn a_stop_brakes_hard_what_is_braking_already() {
     let place = folder("firmware_stop");
     let Some(program) = built("tests/firmware/stop.cpp", &place) else { return };
     let said = Command::new(program).output().expect("it runs").stdout;
@@ -127,4 +130,114 @@ fn the_bumper_stops_at_once_what_is_braking_already() {
     let steps: Vec<i32> = said.split_whitespace().map(|n| n.parse().expect("steps")).collect();
     assert_eq!(steps.len(), 2, "{said}");
     assert!(steps[0] >= 8 && steps[1] <= steps[0] / 2 + 1, "{steps:?} without and with a stop");
+}
+
+/// The whole line of a body, without its end.
+fn line(body: &str) -> String {
+    let mut line = Vec::new();
+    seal(body, &mut line);
+    String::from_utf8(line).expect("text").trim_end().to_owned()
+}
+
+/// What a robot of the simulator answers to a line, after it was greeted.
+fn answered(line: &str) -> String {
+    let mut device = Device::new(&Chassis::default(), "reference", 1, 1.0);
+    let mut hello = Vec::new();
+    seal(&ToRobot::Hello { version: VERSION, session: 42 }.to_string(), &mut hello);
+    device.receive(&hello);
+    let _ = device.take_output();
+    device.receive(line.as_bytes());
+    device.receive(b"\n");
+    let said = device.take_output();
+    let answers = Decoder::default().feed(&said).collect::<Vec<Item>>().into_iter();
+    answers.fold(String::new(), |all, item| match item {
+        Item::Body(body) => format!("{all}{body};"),
+        _ => all,
+    })
+}
+
+/// What a host may have got wrong, and what the page has robots answer to it.
+fn wrong_and_right() -> Vec<(String, &'static str)> {
+    let bodies = [
+        ("M 1 100 100 00 00 900", "a 1;"),
+        ("M 1 -100 100 fF 0 900", "a 1;"),
+        ("M 1 100 100 0 0 900 extra", "a 1;"),
+        ("M 4294967295 100 100 0 0 900", "a 4294967295;"),
+        ("M 4294967296 100 100 0 0 900", ""),
+        ("M1 100 100 0 0 900", ""),
+        ("M  1 100 100 0 0 900", ""),
+        ("M -1 100 100 0 0 900", ""),
+        (" M 1 100 100 0 0 900", ""),
+        ("MM 1 100 100 0 0 900", ""),
+        ("m 1 100 100 0 0 900", ""),
+        ("M 0 100 100 0 0 900", "n 0 not understood;"),
+        ("M 1 100  100 0 0 900", "n 1 not understood;"),
+        ("M 1 1.5 100 0 0 900", "n 1 not understood;"),
+        ("M 1 100 100 10000 0 900", "n 1 not understood;"),
+        ("M 1 100 100 -1 0 900", "n 1 not understood;"),
+        ("M 1 100 100 0x1 0 900", "n 1 not understood;"),
+        ("M 1 100 100 0 0", "n 1 not understood;"),
+        ("M 1 100 100 0 0 ", "n 1 not understood;"),
+        ("M 1 100 -1 0 0 900", "n 1 faster than this robot can go;"),
+        ("M 1 100 100 0 0 -900", "n 1 without a time limit;"),
+        ("T 1 -100000 100 0 0 900", "a 1;"),
+        ("T 0 100000 100 0 0 900", "n 0 not understood;"),
+        ("T 1 100000 100 0 0 9s", "n 1 not understood;"),
+        ("R 1 500", "a 1;"),
+        ("R 0 500", "n 0 not understood;"),
+        ("R 1", "n 1 not understood;"),
+        ("R 1x 500", ""),
+        ("S 2147483649", "a 2147483649;"),
+        ("S -1", ""),
+        ("S  5", ""),
+        ("S", ""),
+        ("P 4294967295 0", "p 4294967295;"),
+        ("P 1 0 later", "p 1;"),
+        ("P 1", ""),
+        ("P -1 0", ""),
+        ("P 1 -1", ""),
+        ("X 1", ""),
+    ];
+    let mut all: Vec<_> = bodies.map(|(body, answer)| (line(body), answer)).into();
+    // A sum that strtoul would take as well: "0" as a space or a sign, and small letters.
+    let sums = |sound: fn(&str) -> bool| {
+        (1..999)
+            .map(|number| line(&format!("P {number} 0")))
+            .find(|line| sound(&line[line.len() - 4..]))
+    };
+    let nought = sums(|sum| sum.starts_with('0')).expect("one in sixteen");
+    let letters = sums(|sum| sum.contains(|digit: char| digit.is_ascii_uppercase()));
+    let letters = letters.expect("most have one");
+    let (body, sum) = nought.split_at(nought.len() - 4);
+    all.extend([" ", "+", ""].map(|sign| (format!("{body}{sign}{}", &sum[1..]), "")));
+    let (body, sum) = letters.split_at(letters.len() - 4);
+    all.push((format!("{body}{}", sum.to_lowercase()), ""));
+    all
+}
+
+/// Neither robot takes for a command what no host can have meant, and both agree on what that is.
+#[test]
+fn the_reference_firmware_reads_as_strictly_as_the_page_asks() {
+    let cases = wrong_and_right();
+    for (line, answer) in &cases {
+        assert_eq!(answered(line), *answer, "the simulated robot on {line:?}");
+    }
+    let place = folder("firmware_strict");
+    let Some(program) = built("tests/firmware/strict.cpp", &place) else { return };
+    let mut robot = Command::new(program)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("it runs");
+    let mut lines = robot.stdin.take().expect("its input");
+    for (line, _) in &cases {
+        writeln!(lines, "{line}").expect("it reads");
+    }
+    drop(lines);
+    let said = robot.wait_with_output().expect("it ends").stdout;
+    let said = String::from_utf8(said).expect("text");
+    assert_eq!(said.lines().count(), cases.len(), "{said}");
+    for (said, (line, answer)) in said.lines().zip(&cases) {
+        assert_eq!(said, *answer, "the reference firmware on {line:?}");
+    }
 }

@@ -164,21 +164,21 @@ impl ToRobot {
             "S" => Self::Stop { seq: fields.number()? },
             "P" => Self::Ping { number: fields.number()?, event: fields.number()? },
             "M" => {
-                let seq = fields.number()?;
+                let seq = fields.sequence()?;
                 let distance = fields.measure(LENGTH)?;
                 let motion = Motion::Move { distance, speed: fields.measure(MILLI)? };
                 let guard = Guard { rise: fields.set()?, fall: fields.set()? };
                 command(seq, motion, guard, fields.measure(MILLI)?)
             }
             "T" => {
-                let seq = fields.number()?;
+                let seq = fields.sequence()?;
                 let angle = fields.measure(MICRO)?;
                 let motion = Motion::Turn { angle, rate: fields.measure(MILLI)? };
                 let guard = Guard { rise: fields.set()?, fall: fields.set()? };
                 command(seq, motion, guard, fields.measure(MILLI)?)
             }
             "R" => {
-                let seq = fields.number()?;
+                let seq = fields.sequence()?;
                 command(seq, Motion::Rest, Guard::default(), fields.measure(MILLI)?)
             }
             _ => return None,

@@ -16,6 +16,11 @@ impl<'a> Fields<'a> {
         self.0.next()?.parse().ok()
     }
 
+    /// Motions are counted from 1.
+    pub(super) fn sequence(&mut self) -> Option<u32> {
+        self.number().filter(|seq| *seq > 0)
+    }
+
     pub(super) fn set(&mut self) -> Option<SwitchSet> {
         u16::from_str_radix(self.0.next()?, 16).ok().map(SwitchSet)
     }

@@ -100,6 +100,25 @@ fn a_report_is_printed_without_a_printf_of_64_bits() {
     assert_eq!(said.trim(), "r 12345678901 -12 40021 -3250000 05 0 0 0*EE6A");
 }
 
+/// What a board must have room for is told to those who port it.
+#[test]
+fn the_largest_bursts_are_as_the_readme_tells() {
+    let place = folder("firmware_burst");
+    let Some(program) = built("tests/firmware/burst.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    let said = String::from_utf8(said).expect("text");
+    let bodies: Vec<Vec<&str>> = said.lines().map(|line| line.split(' ').collect()).collect();
+    assert_eq!(bodies.len(), 2, "{said}");
+    let readme = include_str!("../firmware/README.md");
+    for (call, (usual, most)) in
+        ["receive()", "step()", "poll()"].iter().zip(bodies[0].iter().zip(&bodies[1]))
+    {
+        let told = readme.lines().find(|line| line.starts_with(&format!("| `{call}`")));
+        let told = told.unwrap_or_else(|| panic!("{call} is not told"));
+        assert!(told.ends_with(&format!(" | {usual} | {most} |")), "{said}: {told}");
+    }
+}
+
 /// A line that echoes says what the robot said, and no host is there all the same.
 #[test]
 fn an_echo_is_no_host() {

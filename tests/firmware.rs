@@ -147,8 +147,11 @@ fn a_stop_brakes_hard_what_is_braking_already() {
     let said = Command::new(program).output().expect("it runs").stdout;
     let said = String::from_utf8(said).expect("text");
     let steps: Vec<i32> = said.split_whitespace().map(|n| n.parse().expect("steps")).collect();
-    assert_eq!(steps.len(), 2, "{said}");
+    assert_eq!(steps.len(), 3, "{said}");
     assert!(steps[0] >= 8 && steps[1] <= steps[0] / 2 + 1, "{steps:?} without and with a stop");
+    // The page: v / (2 a) and a step of 20 ms, after the one in which it began to brake by itself.
+    assert!(steps[1] <= 1 + 5 + 1, "{steps:?} from 0.2 m/s at 1 m/s²");
+    assert!((16..=1 + 20 + 1).contains(&steps[2]), "{steps:?} from 0.2 m/s at 0.25 m/s²");
 }
 
 /// The whole line of a body, without its end.

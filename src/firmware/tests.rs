@@ -256,6 +256,30 @@ fn stop_brakes_at_once_and_wins_over_the_rest() {
     assert!(seconds <= 0.1 + 2.0 * STEP, "braked for {seconds} s");
 }
 
+/// As the page promises it, whatever the robot's acceleration, ahead and in a turn.
+#[test]
+fn a_stop_takes_half_as_long_as_the_acceleration_would() {
+    for acceleration in [0.1, 0.5, 1.0, 4.0, 20.0] {
+        let chassis = Chassis { acceleration, ..Chassis::default() };
+        let wheels = [chassis.speed, chassis.turn_rate * chassis.wheel_base / 2.0];
+        for (motion, speed) in [ahead(9.0), turn(99.0)].into_iter().zip(wheels) {
+            let mut robot = Robot::with(&chassis, 0.5, 2.0, 0.0);
+            robot.send(motion, FREE, 30.0);
+            for _ in 0..120 {
+                robot.step(true);
+            }
+            robot.firmware.stop();
+            let (reason, seconds) = robot.until_done(true);
+            assert_eq!(reason, DoneReason::Stopped);
+            let promised = speed / (2.0 * acceleration);
+            assert!(
+                seconds <= promised + 1e-9,
+                "{seconds} s of {promised} s at {acceleration} m/s²"
+            );
+        }
+    }
+}
+
 /// The first reason is the one that is told, and a stop brakes hard all the same.
 #[test]
 fn a_stop_brakes_hard_what_is_braking_already() {

@@ -1,5 +1,6 @@
 // Steps that the reference firmware takes to stand once a motion of it brakes by itself, because its time is
-// up: on its own, and with the stop byte coming then. Prints both.
+// up: on its own, and with the stop byte coming then; and the second of a robot of a quarter of the acceleration.
+// Prints the three.
 #include <stdio.h>
 
 #include "periplus_robot.hpp"
@@ -27,9 +28,11 @@ void send(periplus::Robot& robot, const char* body) {
   for (int k = 0; k < all; ++k) robot.receive(static_cast<uint8_t>(line[k]));
 }
 
-int steps(bool stopped) {
+int steps(bool stopped, int32_t acceleration) {
   Floor floor;
-  periplus::Robot robot(floor, periplus::Chassis(), 1);
+  periplus::Chassis chassis;
+  chassis.acceleration = acceleration;
+  periplus::Robot robot(floor, chassis, 1);
   robot.begin();
   send(robot, "H 1 2A");
   send(robot, "M 1 400000 200 0 0 1000");
@@ -48,4 +51,4 @@ int steps(bool stopped) {
 }
 }  // namespace
 
-int main() { printf("%d %d\n", steps(false), steps(true)); }
+int main() { printf("%d %d %d\n", steps(false, 1000), steps(true, 1000), steps(true, 250)); }

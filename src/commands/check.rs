@@ -103,11 +103,8 @@ fn describe(world: &World, radius: f64) -> String {
     if !has_room(world, radius) {
         let _ = write!(text, "; at its start a robot of {radius} m radius has hardly room to move");
     }
-    for object in &world.objects {
-        if !object.ring.to_points(0.01).iter().any(|point| world.boundary.contains(*point)) {
-            let _ =
-                write!(text, "; object \"{}\" lies outside the room: nobody meets it", object.name);
-        }
+    for object in world.outside() {
+        let _ = write!(text, "; object \"{}\" lies outside the room: nobody meets it", object.name);
     }
     output::harmless(&text)
 }

@@ -109,6 +109,11 @@ impl World {
         Ok(self)
     }
 
+    /// The objects of which no robot in the room meets anything, because they lie outside of it.
+    pub fn outside(&self) -> impl Iterator<Item = &WorldObject> {
+        self.objects.iter().filter(|object| !outline::comes_into(&object.ring, &self.boundary))
+    }
+
     fn check_extent(&self, place: &str) -> Result<(), WorldError> {
         let (low, high) = self.boundary.bounds().unwrap_or_default();
         let extent = (high.x - low.x).max(high.y - low.y);
@@ -240,6 +245,31 @@ mod tests {
             let error = toml(&text).expect_err(&text).to_string();
             assert!(error.contains(word), "{text}\nsaid: {error}\nwanted: {word}");
             assert!(error.contains("room.toml"), "{error}");
+        }
+    }
+
+    /// What overlaps the wall, as traced things do, is met, be it by a side alone.
+    #[test]
+    fn an_object_lies_outside_where_none_of_it_is_in_the_room() {
+        let cases = [
+            ("circle = { center = [9, 2], radius = 1 }", true),
+            ("vertices = [[5,-1],[6,-1],[6,5],[5,5]]", true),
+            // Beside the room, along its wall.
+            ("vertices = [[4,0],[5,0],[5,4],[4,4]]", true),
+            ("circle = { center = [4, 2], radius = 1 }", false),
+            ("circle = { center = [4.5, 2], radius = 1 }", false),
+            ("vertices = [[3.5,1],[3.8,1],[3.8,3],[3.5,3]]", false),
+            // A beam through the room, one across its corner, and one that ends in two walls.
+            ("vertices = [[-1,3],[5,3],[5,3.2],[-1,3.2]]", false),
+            ("vertices = [[2,5],[5,2],[5,5]]", false),
+            ("vertices = [[0,3],[4,3],[4,3.2],[0,3.2]]", false),
+        ];
+        for (object, is_outside) in cases {
+            let text = format!(
+                "{START}[boundary]\nvertices = [[0,0],[4,0],[4,4],[0,4]]\n[[objects]]\n{object}\n"
+            );
+            let world = toml(&text).expect("a world");
+            assert_eq!(world.outside().count() == 1, is_outside, "{object}");
         }
     }
 

@@ -144,10 +144,14 @@ fn first_crossing(ring: &Ring) -> Option<(usize, usize)> {
     None
 }
 
-fn meet(a: &(Point, Point, usize), b: &(Point, Point, usize)) -> bool {
+/// Twice the areas that the ends of `a` make with `b`, and those of `b` with `a`, by their sides.
+fn sides(a: (Point, Point), b: (Point, Point)) -> [f64; 4] {
     let side = |p: Point, q: Point, r: Point| cross(q - p, r - p);
-    let (d1, d2) = (side(b.0, b.1, a.0), side(b.0, b.1, a.1));
-    let (d3, d4) = (side(a.0, a.1, b.0), side(a.0, a.1, b.1));
+    [side(b.0, b.1, a.0), side(b.0, b.1, a.1), side(a.0, a.1, b.0), side(a.0, a.1, b.1)]
+}
+
+fn meet(a: &(Point, Point, usize), b: &(Point, Point, usize)) -> bool {
+    let [d1, d2, d3, d4] = sides((a.0, a.1), (b.0, b.1));
     if d1 * d2 < 0.0 && d3 * d4 < 0.0 {
         return true;
     }
@@ -158,6 +162,34 @@ fn meet(a: &(Point, Point, usize), b: &(Point, Point, usize)) -> bool {
         || (d2 == 0.0 && on(b.0, b.1, a.1))
         || (d3 == 0.0 && on(a.0, a.1, b.0))
         || (d4 == 0.0 && on(a.0, a.1, b.1))
+}
+
+/// How far a chord may stray from an arc where it is asked what lies in a room, metres.
+const ROUGHLY: f64 = 0.01;
+
+/// Whether some of the outline of `surface` lies inside `room`: a corner, the middle of a side, or a side that
+/// goes through its wall.
+pub(super) fn comes_into(surface: &Ring, room: &Ring) -> bool {
+    let chords = |ring: &Ring| {
+        let points = ring.to_points(ROUGHLY);
+        let next = points.clone().into_iter().cycle().skip(1);
+        points.into_iter().zip(next).collect::<Vec<_>>()
+    };
+    let ours = chords(surface);
+    if ours.iter().any(|(a, b)| room.contains(*a) || room.contains(nalgebra::center(a, b))) {
+        return true;
+    }
+    let Some((low, high)) = surface.bounds() else { return false };
+    let near = |(a, b): &(Point, Point)| {
+        let (least, most) = (a.inf(b), a.sup(b));
+        least.x <= high.x && least.y <= high.y && most.x >= low.x && most.y >= low.y
+    };
+    let walls: Vec<(Point, Point)> = chords(room).into_iter().filter(near).collect();
+    let through = |a: (Point, Point), b: (Point, Point)| {
+        let [d1, d2, d3, d4] = sides(a, b);
+        d1 * d2 < 0.0 && d3 * d4 < 0.0
+    };
+    ours.iter().any(|side| walls.iter().any(|wall| through(*side, *wall)))
 }
 
 #[cfg(test)]

@@ -263,3 +263,66 @@ fn the_reference_firmware_reads_as_strictly_as_the_page_asks() {
         assert_eq!(said, *answer, "the reference firmware on {line:?}");
     }
 }
+
+/// All that must end a motion or keep one from beginning, and in how many control steps at most: what the robot
+/// does by itself is the last that stops it when its host, the line or the room does something else.
+#[test]
+fn the_reference_firmware_stops_and_refuses_by_itself() {
+    let place = folder("firmware_safe");
+    let Some(program) = built("tests/firmware/safe.cpp", &place) else { return };
+    let said = Command::new(program).output().expect("it runs").stdout;
+    let said = String::from_utf8(said).expect("text");
+    // A stop from 0.2 m/s takes 100 ms at twice the usual 1 m/s², and everything else twice as long.
+    let expected = [
+        ("beginning: stands", 0),
+        ("stop byte: 1 stop", 6),
+        ("stop line: a 9, 1 stop", 6),
+        ("after a bad line and a stop byte: a 9", 0),
+        ("after half a line and a stop byte: a 9", 0),
+        ("another host: 1 stop", 6),
+        ("silence: 1 host", 27),
+        ("a host that is back: stands", 0),
+        ("silence at twice the pace: 1 host", 42),
+        ("time limit: 1 time", 62),
+        ("rest: stands", 0),
+        ("its end: 1 ok", 22),
+        ("guard: 1 g3+", 11),
+        ("guard and stop: 1 g3+", 7),
+        ("falling guard: 1 g3-", 11),
+        ("no guard: moves", 0),
+        ("bumper: 1 bump", 1),
+        ("backing off: moves", 0),
+        ("held: 1 stall", 13),
+        ("no hello: n 1 say hello first", 0),
+        ("another in hand: n 2 another motion is in hand", 0),
+        ("too fast: n 1 faster than this robot can go", 0),
+        ("turning too fast: n 1 faster than this robot can go", 0),
+        ("backwards in time: n 1 faster than this robot can go", 0),
+        ("no limit: n 1 without a time limit", 0),
+        ("no words: n 1 not understood", 0),
+        ("wrong checksum: stands", 0),
+        ("said once: 1 ok", 25),
+        ("said twice: a 1, stands", 0),
+        ("H 1 2A: a 1, stands", 0),
+        ("H 1 2B: a 1, moves", 0),
+        ("an end: said again and again", 0),
+        ("an end that is known: said no more", 0),
+        ("an end of another host's: said no more", 0),
+        ("a hole: told, stands", 0),
+        ("after it: n 2 say hello first", 0),
+        ("speed: within bounds", 0),
+    ];
+    let mut lines = said.lines();
+    for (what, most) in expected {
+        let line = lines.next().unwrap_or_default();
+        let (came, steps) = line.split_once(" after ").filter(|_| most > 0).unwrap_or((line, "0"));
+        assert_eq!(came, what, "{said}");
+        let steps: i32 = steps.parse().expect("a number of steps");
+        assert!(steps <= most, "{line}: {most} steps are enough");
+    }
+    assert_eq!(lines.next(), None);
+    let patient =
+        said.lines().find_map(|line| line.strip_prefix("silence at twice the pace: 1 host after "));
+    let steps: i32 = patient.expect("a line").parse().expect("steps");
+    assert!(steps > 30, "it waits as long by its host's time: {steps} steps");
+}

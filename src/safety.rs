@@ -95,6 +95,12 @@ mod tests {
         assert_eq!(gate.admit(drive(1.0, 0.3, 9.0)), Err(Refusal::TooFast));
         assert_eq!(gate.admit(drive(f64::NAN, 0.2, 9.0)), Err(Refusal::Senseless));
         assert_eq!(gate.admit(drive(1.0, 0.2, f64::INFINITY)), Err(Refusal::Senseless));
+        assert_eq!(gate.admit(drive(1.0, f64::NAN, 9.0)), Err(Refusal::Senseless));
+        assert_eq!(gate.admit(drive(1.0, -0.2, 9.0)), Err(Refusal::Senseless));
+        assert_eq!(gate.admit(drive(1.0, 0.2, 0.0)), Err(Refusal::Senseless));
+        let motion = Motion::Turn { angle: 1.0, rate: 2.1 };
+        let turn = Command { motion, ..drive(0.0, 0.0, 9.0) };
+        assert_eq!(gate.admit(turn), Err(Refusal::TooFast));
         gate.latch();
         assert_eq!(gate.admit(drive(1.0, 0.2, 9.0)), Err(Refusal::Latched));
         gate.clear();

@@ -123,6 +123,7 @@ fn a_refused_command_ends_the_run() {
     let (session, out) = begun(wrong, Phase::Objects, Intent::Run);
     assert_eq!(command(&out), None);
     assert!(out.contains(&Outgoing::Stop), "{out:?}");
+    assert!(session.is_latched());
     let RunState::Failed(why) = session.run_state() else { panic!("{:?}", session.run_state()) };
     assert!(why.to_string().contains("mistake in the program"), "{why}");
 }
@@ -194,4 +195,105 @@ fn a_phase_in_which_the_run_ended_is_not_said_to_have_come_to_its_end() {
     assert_eq!(snapshot.run, RunState::Failed(Failure::Boxed));
     assert_eq!(snapshot.phase, Phase::Boundary);
     assert_eq!(snapshot.progress.map(|phase| phase.share), [None; 4]);
+}
+
+/// All wishes that set a robot going.
+const GOING: [Intent; 4] = [Intent::Run, Intent::StepCommand, Intent::StepEvent, Intent::StepPhase];
+
+/// A stop, the operator's or one for a fault, holds whatever is wished and whatever is heard, until it is
+/// cleared; to clear it sets nothing going yet.
+#[test]
+fn a_stop_holds_until_it_is_cleared_and_that_alone_starts_nothing() {
+    for fault in [false, true] {
+        let (mut session, out) = begun(settings(), Phase::Objects, Intent::Run);
+        let first = command(&out).expect("a command");
+        let mut out = Vec::new();
+        if fault {
+            session.telemetry(&report(1.5, 1_000_000), &mut out);
+        } else {
+            session.intent(Intent::Stop, &mut out);
+        }
+        assert_eq!(out.first(), Some(&Outgoing::Stop), "fault: {fault}: before everything else");
+        out.clear();
+        session.telemetry(&done(&first, 2.0, 100), &mut out);
+        for wish in GOING {
+            session.intent(wish, &mut out);
+            assert!(session.is_latched() && session.snapshot().latched, "{fault} {wish:?}");
+            assert_eq!(session.run_state(), RunState::Stopped, "fault: {fault}: {wish:?}");
+        }
+        session.intent(Intent::Pause, &mut out);
+        assert_eq!(session.run_state(), RunState::Stopped, "fault: {fault}");
+        session.intent(Intent::ClearStop, &mut out);
+        session.telemetry(&report(2.1, 100), &mut out);
+        assert_eq!(session.run_state(), RunState::Paused, "fault: {fault}");
+        assert_eq!(command(&out), None, "fault: {fault}: it goes on by itself");
+        session.intent(Intent::Run, &mut out);
+        assert!(command(&out).is_some(), "fault: {fault}: it does not go on");
+    }
+}
+
+/// Whoever presses stop again does not believe that the first one came through: it is sent, and not told anew.
+#[test]
+fn every_stop_is_sent_and_one_that_holds_already_is_no_news() {
+    let (mut session, _) = begun(settings(), Phase::Objects, Intent::Run);
+    let mut out = Vec::new();
+    session.intent(Intent::Stop, &mut out);
+    assert!(matches!(out[..], [Outgoing::Stop, Outgoing::Event(_)]), "{out:?}");
+    out.clear();
+    session.intent(Intent::Stop, &mut out);
+    assert_eq!(out, [Outgoing::Stop]);
+}
+
+/// After its end a run stays as it ended, whatever is pressed and heard: what it came to is not lost. A stop is
+/// sent all the same, and holds.
+#[test]
+fn a_run_that_is_over_stays_over_and_is_stopped_all_the_same() {
+    let (mut session, out) = begun(settings(), Phase::Objects, Intent::Run);
+    let first = command(&out).expect("a command");
+    let mut out = Vec::new();
+    session.intent(Intent::Finish, &mut out);
+    assert!(out.contains(&Outgoing::Stop), "ended under way: {out:?}");
+    let over = session.run_state();
+    assert!(over.is_over(), "{over:?}");
+    session.telemetry(&done(&first, 2.0, 100), &mut Vec::new());
+    out.clear();
+    session.intent(Intent::Stop, &mut out);
+    assert_eq!(out.first(), Some(&Outgoing::Stop));
+    assert!(session.is_latched() && session.run_state() == over);
+    session.intent(Intent::ClearStop, &mut out);
+    assert!(!session.is_latched() && session.run_state() == over);
+    for wish in GOING.into_iter().chain([Intent::Pause, Intent::LapAgain, Intent::LapAnew]) {
+        session.intent(wish, &mut out);
+        assert_eq!(session.run_state(), over, "{wish:?}");
+    }
+    session.telemetry(&report(3.0, 1_000_000), &mut out);
+    assert!(session.is_latched() && session.run_state() == over, "a fault after the end");
+    assert_eq!(command(&out), None, "it drives");
+}
+
+/// A pause, and the end of a step, let nothing follow the motion in hand.
+#[test]
+fn nothing_follows_the_command_that_is_the_last() {
+    for (begins, then) in [(Intent::StepCommand, None), (Intent::Run, Some(Intent::Pause))] {
+        let (mut session, out) = begun(settings(), Phase::Objects, begins);
+        let first = command(&out).expect("a command");
+        let mut out = Vec::new();
+        if let Some(wish) = then {
+            session.intent(wish, &mut out);
+        }
+        session.telemetry(&done(&first, 2.0, 100), &mut out);
+        session.telemetry(&report(2.1, 100), &mut out);
+        assert_eq!(session.run_state(), RunState::Paused, "{begins:?}");
+        assert_eq!(command(&out), None, "{begins:?}");
+    }
+}
+
+/// Of a robot that was never heard nothing is shown, and it is told nothing.
+#[test]
+fn a_robot_that_was_never_heard_is_told_nothing() {
+    let mut session = Session::new(settings(), "test".to_owned(), Phase::Objects);
+    let mut out = Vec::new();
+    session.intent(Intent::Run, &mut out);
+    assert_eq!(command(&out), None);
+    assert_eq!(session.snapshot().robot, Known::Unknown);
 }

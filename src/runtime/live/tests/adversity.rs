@@ -37,6 +37,45 @@ fn a_full_disk_stops_the_robot_whenever_it_comes() {
     }
 }
 
+/// A run whose record could not even be begun does not begin when the robot introduces itself once more.
+#[test]
+fn a_run_without_a_record_does_not_begin_at_the_second_try_either() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.memory.room.set(Some(0));
+    assert!(rig.until(3.0, |rig| rig.run.ending().is_some()));
+    rig.run.unplugged(rig.now);
+    rig.until(1.0, |_| false);
+    rig.run.reopened(rig.now);
+    assert!(!rig.until(5.0, |rig| rig.device.is_moving()), "driven, and not recorded");
+    assert!(rig.run.session().is_none());
+    let why = rig.run.ending().expect("an ending").reason;
+    assert!(why.contains("no space left"), "{why}");
+}
+
+/// The record has every command and all that was told of the run, each once and in order.
+#[test]
+fn all_that_left_the_session_is_in_the_record() {
+    let mut rig = rig(Faults::default(), 1, true);
+    assert!(rig.until(900.0, |rig| rig.run.ending().is_some()));
+    let bytes = rig.memory.bytes.borrow().clone();
+    let kept = crate::journal::reader::parse(std::path::Path::new("memory"), &bytes);
+    let records = kept.expect("a record").records;
+    let session = rig.run.session().expect("a session");
+    let commands = records.iter().filter_map(|record| match &record.entry {
+        crate::journal::Entry::Command(command) => Some(command.id.0),
+        _ => None,
+    });
+    let sent: u32 = session.progress().iter().map(|phase| phase.commands).sum();
+    assert!(commands.eq(1..=sent), "not every one of {sent} commands");
+    let told = records.iter().filter_map(|record| match &record.entry {
+        crate::journal::Entry::Event(event) => Some(event),
+        _ => None,
+    });
+    assert!(told.eq(session.events()), "not all that was told");
+    let ends = |record: &&crate::journal::Record| matches!(&record.entry, crate::journal::Entry::PhaseEnd(end) if end.phase == Phase::Boundary);
+    assert_eq!(records.iter().filter(ends).count(), 1);
+}
+
 /// A record that was written and then did not reach the disk is no record either.
 #[test]
 fn a_record_that_does_not_reach_the_disk_stops_the_robot() {

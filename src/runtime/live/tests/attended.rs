@@ -39,6 +39,28 @@ fn a_console_that_hangs_stops_the_robot_and_one_that_turns_does_not() {
     assert_eq!(rig.run_state(), RunState::Running);
 }
 
+/// A single step goes on by itself as well, and what is paused still drives its last motion to the end, whenever
+/// the operator is gone.
+#[test]
+fn a_console_that_hangs_stops_a_step_and_a_last_motion() {
+    for paused in [false, true] {
+        let mut stopped = 0;
+        for later in 0..40 {
+            let mut rig = rig(Faults::default(), 1, false);
+            pass(&mut rig, 3.0, true);
+            rig.run.intent(Intent::StepPhase, rig.now);
+            pass(&mut rig, 0.5 * f64::from(later), true);
+            if paused {
+                rig.run.intent(Intent::Pause, rig.now);
+            }
+            pass(&mut rig, 1.4, false);
+            assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "{paused}: {later}");
+            stopped += usize::from(rig.run_state() == RunState::Stopped);
+        }
+        assert!(stopped > 0 && (paused || stopped == 40), "{paused}: {stopped}");
+    }
+}
+
 #[test]
 fn a_run_without_an_operator_needs_none() {
     let mut rig = rig(Faults::default(), 1, true);

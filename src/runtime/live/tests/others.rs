@@ -175,3 +175,20 @@ fn another_robot_at_the_port_does_not_go_on_with_the_run() {
         replayed(&rig);
     }
 }
+
+/// A robot that only has the name of the run's own counts other lengths all the same.
+#[test]
+fn a_robot_of_the_same_name_with_another_body_does_not_go_on_with_the_run() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.until(3.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    rig.until(20.0, |_| false);
+    let usual = crate::robot::Chassis::default();
+    let other = crate::robot::Chassis { tick: 0.001, ..usual };
+    replug(&mut rig, Device::new(&other, "tin", 70, 1.0));
+    rig.until(5.0, |_| false);
+    rig.run.intent(Intent::ClearStop, rig.now);
+    rig.run.intent(Intent::Run, rig.now);
+    assert!(!rig.until(3.0, |rig| rig.device.is_moving()), "it is taken for the other");
+    assert!(rig.alarms("another body") > 0, "nobody was told");
+}

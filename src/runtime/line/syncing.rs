@@ -25,16 +25,20 @@ impl Syncing {
     /// When the system refuses the thread.
     pub(super) fn of(journal: &File) -> io::Result<Self> {
         let file = journal.try_clone()?;
-        Self::with(move || file.sync_data())
+        Self::with(PAUSE, move || file.sync_data())
     }
 
-    fn with(mut sync: impl FnMut() -> io::Result<()> + Send + 'static) -> io::Result<Self> {
+    /// Brings something to the disk by `sync`, with `pause` between two times.
+    pub(super) fn with(
+        pause: Duration,
+        mut sync: impl FnMut() -> io::Result<()> + Send + 'static,
+    ) -> io::Result<Self> {
         let (end, ended) = channel();
         let failed = Arc::new(Mutex::new(None));
         let told = failed.clone();
         let body = move || {
             loop {
-                let over = ended.recv_timeout(PAUSE) != Err(RecvTimeoutError::Timeout);
+                let over = ended.recv_timeout(pause) != Err(RecvTimeoutError::Timeout);
                 if let Err(error) = sync()
                     && !cannot_be_synced(&error)
                 {
@@ -75,10 +79,10 @@ mod tests {
     #[test]
     fn a_record_that_does_not_reach_the_disk_is_told() {
         let full = || Err(io::Error::other("no space left on device"));
-        let told = Syncing::with(full).expect("a thread").end();
+        let told = Syncing::with(PAUSE, full).expect("a thread").end();
         assert_eq!(told.map(|error| error.to_string()).as_deref(), Some("no space left on device"));
         let pipe = || Err(io::Error::from(ErrorKind::InvalidInput));
-        assert!(Syncing::with(pipe).expect("a thread").end().is_none());
-        assert!(Syncing::with(|| Ok(())).expect("a thread").end().is_none());
+        assert!(Syncing::with(PAUSE, pipe).expect("a thread").end().is_none());
+        assert!(Syncing::with(PAUSE, || Ok(())).expect("a thread").end().is_none());
     }
 }

@@ -17,6 +17,10 @@ enum Failing {
     Control,
     /// Whoever holds the line: the screen.
     Screen,
+    /// Somebody who has nothing to do with it, while the line is held on to.
+    Bystander,
+    /// Nobody, but who held the line lets go of it without a word.
+    Holder,
     /// None of it: the line is unplugged.
     Nothing,
 }
@@ -99,6 +103,11 @@ fn failing(what: Failing) -> Seen {
                 match what {
                     Failing::Nothing => break,
                     Failing::Control => held.requests.send(Request::Panic).expect("it listens"),
+                    Failing::Bystander => drop(std::thread::spawn(|| panic!("asked to"))),
+                    Failing::Holder => {
+                        let line = line.take();
+                        std::thread::spawn(move || drop(line));
+                    }
                     Failing::Screen => {
                         let line = line.take();
                         std::thread::spawn(move || {
@@ -127,16 +136,89 @@ fn failing(what: Failing) -> Seen {
     Seen { ending, shown, ..seen }
 }
 
-/// A bridge that does not answer keeps nobody: who is told to leave leaves at once.
-#[test]
-fn a_bridge_that_does_not_answer_is_left_at_once() {
+/// A keeper of a robot that it has not heard yet, with its record, and the way to ask it for something.
+fn keeper(journal: Option<File>, syncing: Option<Syncing>) -> (Keeper, UnboundedSender<Request>) {
     let address: Address = "tcp://192.0.2.1:9".parse().expect("an address");
     let settings = Settings::new(crate::geometry::Pose::new(0.0, 0.0, 0.0));
     let plan = Plan { settings, port: address.to_string(), until: None, at_once: false };
-    let run = LiveRun::new(plan, Host::new(0, 1, 0.0), None);
+    let run = LiveRun::new(plan, Host::new(0, 1, 0.0), journal);
     let (requests, asked) = unbounded_channel();
     let (watch, shown) = (Stopwatch::start(), Arc::new(Shown::default()));
-    let mut keeper = Keeper { address, run, watch, shown, asked, syncing: None, progress_due: 0.0 };
+    (Keeper { address, run, watch, shown, asked, syncing, progress_due: 0.0 }, requests)
+}
+
+/// The same, with a record in a file `name` that does not reach the disk, and a robot that has introduced itself.
+fn unsynced(name: &str) -> Keeper {
+    let record = std::env::temp_dir().join(format!("periplus-{}-{name}", std::process::id()));
+    let journal = File::create(&record).expect("a record");
+    let _ = std::fs::remove_file(&record);
+    let (tried, tries) = std::sync::mpsc::channel();
+    let syncing = Syncing::with(Duration::ZERO, move || {
+        let _ = tried.send(());
+        Err(std::io::Error::other("input/output error"))
+    });
+    let (mut keeper, _) = keeper(Some(journal), Some(syncing.expect("a thread")));
+    // The second try comes after the first has failed.
+    for _ in 0..2 {
+        tries.recv().expect("it is tried");
+    }
+    let mut device = Device::new(&Chassis::default(), "tin", 1, 1.0);
+    for _ in 0..2 {
+        keeper.run.tick(0.0);
+        device.receive(&keeper.run.take_output());
+        keeper.run.receive(&device.take_output(), 0.0);
+    }
+    assert!(keeper.run.session().is_some());
+    keeper
+}
+
+/// A record that does not reach the disk stops the robot as soon as that is known, and is told as lost at the
+/// end at the latest.
+#[test]
+fn a_record_that_does_not_reach_the_disk_is_noticed_by_the_keeper() {
+    let mut keeper = unsynced("unsynced");
+    let _ = keeper.run.take_output();
+    keeper.tick(0.1);
+    assert_eq!(keeper.run.take_output().first(), Some(&STOP));
+    let run = unsynced("unsynced-at-the-end");
+    assert!(run.into_run().conclude().is_err(), "called whole");
+}
+
+/// Nobody reads what was written before; a stop does not wait for that, and who leaves stops the robot first.
+#[test]
+fn a_stop_does_not_wait_behind_what_the_port_has_not_taken() {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    runtime.expect("a runtime").block_on(async {
+        for wish in [Request::Intent(Intent::Stop), Request::Leave] {
+            let (mut keeper, requests) = keeper(None, None);
+            // Room for half a line.
+            let (ours, mut theirs) = tokio::io::duplex(8);
+            let leaves = matches!(wish, Request::Leave);
+            let robot = async {
+                let mut said = vec![theirs.read_u8().await.expect("a byte")];
+                requests.send(wish).expect("it listens");
+                while said.last() != Some(&STOP) {
+                    said.push(theirs.read_u8().await.expect("a byte"));
+                }
+                if !leaves {
+                    requests.send(Request::Leave).expect("it listens");
+                }
+                (said, theirs)
+            };
+            let both = async { tokio::join!(keeper.converse(Box::new(ours)), robot) };
+            let both = tokio::time::timeout(Duration::from_secs(60), both).await;
+            let (left, (said, _)) = both.expect("it is left");
+            assert!(left, "taken for a port that is gone");
+            let before = String::from_utf8_lossy(&said).into_owned();
+            assert!(!before.contains('\n'), "the stop came behind `{before}`");
+        }
+    });
+}
+
+/// A bridge that does not answer keeps nobody: who is told to leave leaves at once.
+#[test]
+fn a_bridge_that_does_not_answer_is_left_at_once() {
+    let (mut keeper, requests) = keeper(None, None);
     requests.send(Request::Intent(Intent::Stop)).expect("it listens");
     requests.send(Request::Leave).expect("it listens");
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
@@ -174,7 +256,7 @@ fn a_bridge_that_falls_silent_is_tried_anew() {
 /// One test, since a panic anywhere stops every robot that this program keeps.
 #[test]
 fn a_panic_stops_the_robot_and_an_unplugged_line_is_seen() {
-    for what in [Failing::Control, Failing::Screen] {
+    for what in [Failing::Control, Failing::Screen, Failing::Bystander, Failing::Holder] {
         let seen = failing(what);
         // Sooner than the watchdog, which ends it 300 ms after the last word: braking from 0.2 m/s at
         // 2 m/s² takes 100 ms and 10 mm, and the stop 100 ms at most.

@@ -190,3 +190,52 @@ fn a_wish_that_nobody_can_have_is_refused() {
         assert!(error.contains("journal:2:"), "{wish:?}: {error}");
     }
 }
+
+/// Whole lines that are missing in the middle are damage as well: every line that is left holds.
+#[test]
+fn a_record_in_which_a_line_is_missing_or_comes_twice_is_refused() {
+    let bytes = written();
+    let lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
+    let without = [&lines[..3], &lines[4..]].concat().concat();
+    let twice = [&lines[..4], &lines[3..]].concat().concat();
+    for (bent, line) in [(without, 4), (twice, 5)] {
+        let error = parse(&bent).expect_err("a hole").to_string();
+        assert!(error.starts_with(&format!("run/journal:{line}: record ")), "{error}");
+    }
+}
+
+/// A run that is not handed on at all loses no more than what the writer keeps back.
+#[test]
+fn what_is_recorded_is_handed_on_before_it_is_much() {
+    struct Counts(std::rc::Rc<std::cell::Cell<usize>>);
+    impl std::io::Write for Counts {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.set(self.0.get() + bytes.len());
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let handed_on = std::rc::Rc::new(std::cell::Cell::new(0));
+    let mut journal = Journal::begin(Counts(handed_on.clone()), &header()).expect("room");
+    let event = Event { time_us: 0, kind: EventKind::Stopped };
+    for _ in 0..10_000 {
+        journal.event(0, &event);
+    }
+    let before = handed_on.get();
+    assert!(journal.finish().is_ok());
+    let whole = handed_on.get();
+    assert!(whole > 200_000 && whole - before <= 64 * 1024, "{before} bytes of {whole}");
+}
+
+/// The robot may have been started again more than once: the last life is the one that it is in.
+#[test]
+fn the_last_life_counts() {
+    let mut journal = Journal::begin(Vec::new(), &header()).expect("memory");
+    for boot in [4, 5] {
+        journal.life(0, &Life { boot, beyond: Odometer::default() });
+    }
+    let recording = parse(&journal.finish().expect("memory")).expect("a record");
+    assert_eq!(recording.life().map(|life| life.boot), Some(5));
+}

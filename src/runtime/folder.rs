@@ -353,17 +353,22 @@ mod tests {
 
     #[test]
     fn one_result_that_fails_does_not_keep_the_others_from_being_written() {
-        let path = place("one-fails");
-        let (folder, _journal) = OutputFolder::create(&path).expect("a new folder");
-        // A folder in the way of a file is refused by every system and for every user.
-        fs::create_dir_all(path.join("map.svg/in the way")).expect("an obstacle");
-        let failures = folder.write_results(&sample::room().record());
-        assert_eq!(failures.len(), 1, "{failures:?}");
-        assert!(failures[0].to_string().contains("map.svg: cannot be written"), "{failures:?}");
-        for name in ["map.geojson", "map.json", "map.png", "report.json"] {
-            assert!(path.join(name).is_file(), "{name} is missing");
+        for fails in ["map.svg", "report.json", "map.geojson", "map.png"] {
+            let path = place("one-fails");
+            let (folder, _journal) = OutputFolder::create(&path).expect("a new folder");
+            // A folder in the way of a file is refused by every system and for every user.
+            fs::create_dir_all(path.join(fails).join("in the way")).expect("an obstacle");
+            let failures = folder.write_results(&sample::room().record());
+            assert_eq!(failures.len(), 1, "{failures:?}");
+            let told = failures[0].to_string();
+            assert!(told.contains(&format!("{fails}: cannot be written")), "{told}");
+            let names = ["map.geojson", "map.json", "map.svg", "map.png", "report.json"];
+            for name in names.into_iter().filter(|name| *name != fails) {
+                assert!(path.join(name).is_file(), "{name} is missing");
+                assert!(!path.join(format!("{fails}.part")).exists(), "half of it is left");
+            }
+            let _ = fs::remove_dir_all(&path);
         }
-        let _ = fs::remove_dir_all(&path);
     }
 
     #[test]

@@ -50,6 +50,29 @@ fn look(line: &Line, seconds: f64) -> Option<Arc<Snapshot>> {
     shown
 }
 
+/// Fails so; whoever lets go of the line waits for its last word elsewhere.
+fn fail(what: Failing, line: &mut Option<Line>) {
+    match what {
+        Failing::Nothing => {}
+        Failing::Control => {
+            let held = line.as_ref().expect("still held");
+            held.requests.send(Request::Panic).expect("it listens");
+        }
+        Failing::Bystander => drop(std::thread::spawn(|| panic!("asked to"))),
+        Failing::Holder => {
+            let line = line.take();
+            std::thread::spawn(move || drop(line));
+        }
+        Failing::Screen => {
+            let line = line.take();
+            std::thread::spawn(move || {
+                let _line = line;
+                panic!("asked to");
+            });
+        }
+    }
+}
+
 fn failing(what: Failing) -> Seen {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.expect("a runtime");
@@ -99,23 +122,10 @@ fn failing(what: Failing) -> Seen {
             ours.write_all(&said).await.expect("the line takes it");
             if failed.is_none() && fast > 10 {
                 failed = Some((watch.seconds(), body.true_pose().position));
-                let held = line.as_ref().expect("still held");
-                match what {
-                    Failing::Nothing => break,
-                    Failing::Control => held.requests.send(Request::Panic).expect("it listens"),
-                    Failing::Bystander => drop(std::thread::spawn(|| panic!("asked to"))),
-                    Failing::Holder => {
-                        let line = line.take();
-                        std::thread::spawn(move || drop(line));
-                    }
-                    Failing::Screen => {
-                        let line = line.take();
-                        std::thread::spawn(move || {
-                            let _line = line;
-                            panic!("asked to");
-                        });
-                    }
+                if what == Failing::Nothing {
+                    break;
                 }
+                fail(what, &mut line);
             }
         }
         seen

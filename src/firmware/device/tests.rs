@@ -157,3 +157,69 @@ fn an_event_is_said_again_as_often_by_its_hosts_clock_however_slow_its_own_is() 
         assert!((8..=12).contains(&said), "{said} times in a second at {speed}: {lines:?}");
     }
 }
+
+/// What a robot under way says in the next quarter of a second, after `said` came over the line.
+fn under_way(said: &ToRobot) -> (Vec<String>, Bench) {
+    let mut bench = bench();
+    bench.say(&HELLO);
+    bench.say(&ahead(1, 2.0));
+    bench.live(0.2);
+    let mut lines = bench.say(said);
+    lines.extend(bench.live(0.24));
+    (lines, bench)
+}
+
+/// A stop in a line stops as its byte does, and another host's hello stops what the one before asked for; the
+/// same host's does not, nor does a command that it may have said before.
+#[test]
+fn a_stop_line_and_another_host_stop_it_and_the_same_one_does_not() {
+    let stopped = |lines: &[String]| lines.iter().any(|line| line.starts_with("d 1 1 stop"));
+    let (lines, bench) = under_way(&ToRobot::Stop { seq: 9 });
+    assert!(lines[0] == "a 9" && stopped(&lines) && !bench.device.is_moving(), "{lines:?}");
+    let (_, bench) = under_way(&ToRobot::Hello { version: VERSION, session: 6 });
+    assert!(!bench.device.is_moving(), "another host is there, and it drives on");
+    let (lines, bench) = under_way(&HELLO);
+    assert!(bench.device.is_moving(), "the same host asks who it is: {lines:?}");
+    let (lines, bench) = under_way(&ahead(1, 2.0));
+    assert!(lines[0] == "a 1" && bench.device.is_moving(), "{lines:?}");
+}
+
+/// A command from before the newest was done long ago, and none is taken without a limit or backwards in speed.
+#[test]
+fn a_late_command_and_a_senseless_one_move_nothing() {
+    let mut bench = bench();
+    bench.say(&HELLO);
+    bench.say(&ahead(2, 0.02));
+    bench.live(0.28);
+    bench.say(&ToRobot::Ping { number: 1, event: 0 });
+    bench.live(0.28);
+    assert_eq!(bench.say(&ahead(1, 0.5)), ["a 1"]);
+    assert!(!bench.device.is_moving(), "it is driven again");
+    let of = |speed: f64, time_limit: f64| {
+        let motion = Motion::Move { distance: 1.0, speed };
+        let id = CommandId(3);
+        ToRobot::Command(Command { id, motion, guard: Guard::default(), time_limit })
+    };
+    assert_eq!(bench.say(&of(-0.2, 9.0)), ["n 3 faster than this robot can go"]);
+    assert_eq!(bench.say(&of(0.2, 0.0)), ["n 3 without a time limit"]);
+    assert!(!bench.device.is_moving());
+}
+
+/// A host that confirms nothing is told of a hole once there is no room left, by another life; the robot stands
+/// then, and takes nothing before the next hello.
+#[test]
+fn a_robot_that_has_no_room_for_its_events_stands_and_says_so() {
+    let (_, mut bench) = under_way(&ToRobot::Ping { number: 1, event: 0 });
+    assert!(bench.device.is_moving());
+    let odometer = bench.body.odometer();
+    for k in 0..=KEPT {
+        let edge = crate::robot::Edge { sensor: 0, rising: k % 2 == 0, odometer };
+        bench.device.tell(Telemetry::Edge(edge));
+    }
+    let said = bench.answers();
+    assert!(said.iter().any(|line| line.starts_with("h 1 00000002 00000000 ")), "{said:?}");
+    bench.say(&ToRobot::Ping { number: 2, event: 0 });
+    bench.live(0.24);
+    assert!(!bench.device.is_moving(), "it drives on, and nobody knows where");
+    assert_eq!(bench.say(&ahead(2, 0.1)), ["n 2 say hello first"]);
+}

@@ -154,7 +154,7 @@ impl Piece {
     }
 
     /// The circular piece from `from` to `to` with `bulge` = tan(sweep / 4), as in DXF; a straight
-    /// one where the arc would rise less than [`FLAT`] above its chord.
+    /// one where the arc would rise less than a micrometre above its chord.
     #[must_use]
     pub fn with_bulge(from: Point, to: Point, bulge: f64) -> Self {
         let chord = to - from;

@@ -1,10 +1,7 @@
 // How many bytes the reference firmware writes at once, in one call of receive(), poll() or step(), after hours of
 // driving: the introduction, one step with everything due but edges, and one poll in which all switches change. Prints the
 // three for a robot of the standard body, and for one of 16 switches and the longest names.
-#include <stdio.h>
-#include <string.h>
-
-#include "periplus_robot.hpp"
+#include "floor.hpp"
 
 namespace {
 // A robot that has come round some walls; what it writes is counted.
@@ -22,12 +19,6 @@ struct Old : periplus::Hardware {
   int battery_mv() override { return 11100; }
   void write(const char*, size_t count) override { written += count; }
 };
-
-void send(periplus::Robot& robot, const char* body) {
-  char line[periplus::kLongestLine];
-  const int all = snprintf(line, sizeof line, "%s*%04X\n", body, periplus::crc16(body, strlen(body)));
-  for (int k = 0; k < all; ++k) robot.receive(static_cast<uint8_t>(line[k]));
-}
 
 void bursts(const periplus::Chassis& chassis) {
   Old old;

@@ -3,6 +3,9 @@
 
 mod common;
 
+use periplus::console::Keymap;
+use periplus::console::frame::planes;
+use periplus::console::model::Model;
 use periplus::geometry::Point;
 use periplus::mapping::event::EventKind;
 use periplus::mapping::map::{Phase, RoomMap};
@@ -250,4 +253,28 @@ fn a_lap_after_a_tape_begins_where_the_wall_is_now() {
     assert!(map.doubted.is_empty(), "{:?}", map.doubted);
     let commands = run.snapshot().progress[0].commands - before;
     assert!(commands < 300, "{commands} commands round a lap of 19 m");
+}
+
+/// The reason that is told is the one that there is, and what is refused is not offered.
+#[test]
+fn no_lap_is_driven_or_dropped_while_the_robot_has_to_find_its_place() {
+    let world = world();
+    let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::None);
+    run.intent(Intent::StepPhase);
+    while run.is_under_way() {
+        run.advance();
+    }
+    let footer = |run: &SimulatedRun<Sink>| {
+        let model = Model::new(160, 40, Keymap::default());
+        let (symbols, _) = planes(&model, &run.snapshot());
+        symbols.lines().last().expect("a footer").to_owned()
+    };
+    assert!(footer(&run).contains("L B lap"), "{}", footer(&run));
+    run.intent(Intent::Placed { near: None });
+    assert!(!footer(&run).contains("lap"), "{}", footer(&run));
+    for wish in [Intent::LapAgain, Intent::LapAnew] {
+        run.intent(wish);
+        let told = run.session().events().back().expect("an answer").kind.to_string();
+        assert!(told.ends_with("the robot has to find its place first"), "{told}");
+    }
 }

@@ -14,6 +14,7 @@ use periplus::runtime::simulated::{Headless, SimulatedRun};
 use periplus::simulator::{NoiseProfile, World};
 use shell::{periplus, place, refused};
 use std::fs;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// What a run left is not lost to an export under the wrong name, and a device stays a device.
@@ -145,22 +146,28 @@ fn a_record_of_what_cannot_be_is_told_and_comes_to_its_end() {
     refused(&["run", "--resume", bent.to_str().expect("a path")], &["goes on with", "its --port"]);
 }
 
+/// The record of a boundary, driven in the simulator, as if a real robot had driven it.
+fn as_of_a_real_robot(dir: &Path) -> (Header, Vec<Record>) {
+    let made = dir.join("run");
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
+    let out = made.to_str().expect("a path");
+    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", out]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let Recording { mut header, records, .. } = read(&made).expect("a record");
+    header.robot = Some(RobotMark { name: "rover".to_owned(), boot: 7 });
+    (header, records)
+}
+
 /// What was asked for is done: nobody is told to ask for less of it, or for nothing.
 #[test]
 fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
     let dir = place("over");
-    let (made, real) = (dir.join("run"), dir.join("real"));
-    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
-    let made = made.to_str().expect("a path");
-    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", made]);
-    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
-    let recording = read(made.as_ref()).expect("a record");
-    let mut header = recording.header.clone();
-    header.robot = Some(RobotMark { name: "rover".to_owned(), boot: 7 });
+    let real = dir.join("real");
+    let (header, records) = as_of_a_real_robot(&dir);
     let write = |header: &Header, share: usize| {
         let mut journal = Journal::begin(Vec::new(), header).expect("memory");
-        let count = recording.records.len() / share;
-        recording.records[..count].iter().for_each(|record| journal.record(record));
+        let count = records.len() / share;
+        records[..count].iter().for_each(|record| journal.record(record));
         fs::create_dir_all(&real).expect("a folder");
         fs::write(real.join("journal"), journal.finish().expect("memory")).expect("a record");
     };
@@ -196,16 +203,10 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
 #[test]
 fn a_run_goes_on_with_what_its_operator_chose_last() {
     let dir = place("chosen");
-    let (made, real) = (dir.join("run"), dir.join("real"));
-    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/rectangle.toml");
-    let made = made.to_str().expect("a path");
-    let run = periplus(&["run", "--world", world, "--until", "boundary", "--out", made]);
-    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
-    let recording = read(made.as_ref()).expect("a record");
-    let mut header = recording.header.clone();
-    header.robot = Some(RobotMark { name: "rover".to_owned(), boot: 7 });
+    let real = dir.join("real");
+    let (header, records) = as_of_a_real_robot(&dir);
     let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
-    let half = &recording.records[..recording.records.len() / 2];
+    let half = &records[..records.len() / 2];
     for record in half {
         journal.record(record);
     }

@@ -355,18 +355,14 @@ fn toggle(model: &mut Model, snapshot: &Snapshot, action: Action) {
         model.log_detail = !model.log_detail;
         model.log_detail
     };
-    let state = match seen(snapshot, action, shown) {
-        "shown" if action == Action::ToggleRejected && !model.layers.plan.is_shown(over) => {
-            "shown with the plan, which is hidden"
-        }
-        state => state,
-    };
+    let with_plan = model.layers.plan.is_shown(over);
+    let state = seen(snapshot, action, shown, with_plan);
     tell(model, format!("{}: {state}", action.info().name));
 }
 
-/// What comes of it that a layer is to be `shown` or not: what there is not yet cannot be seen yet, and without
-/// an outline the contacts are the map.
-fn seen(snapshot: &Snapshot, action: Action, shown: bool) -> &'static str {
+/// What comes of it that a layer is to be `shown` or not: what there is not yet cannot be seen yet, without
+/// an outline the contacts are the map, and without the plan nobody sees what was rejected of it.
+fn seen(snapshot: &Snapshot, action: Action, shown: bool, with_plan: bool) -> &'static str {
     let Snapshot { map, run, .. } = snapshot;
     match action {
         Action::ToggleContacts if map.shape.is_none() && run.is_over() => {
@@ -387,6 +383,7 @@ fn seen(snapshot: &Snapshot, action: Action, shown: bool) -> &'static str {
         Action::TogglePlan | Action::ToggleRejected if map.plan.is_none() => {
             "shown as soon as there is a plan"
         }
+        Action::ToggleRejected if !with_plan => "shown with the plan, which is hidden",
         _ => "shown",
     }
 }

@@ -322,9 +322,6 @@ impl<W: Write> Runner for Headless<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::console::Keymap;
-    use crate::console::frame::planes;
-    use crate::console::model::Model;
     use crate::mapping::event::{Event, EventKind};
     use crate::mapping::settings::Settings;
     use crate::session::Replay;
@@ -379,30 +376,6 @@ mod tests {
         let Step::Ended(ending) = headless.step() else { panic!("it waits for ever") };
         assert_eq!(ending.outcome, Outcome::Failed);
         assert_eq!(ending.reason, "the robot does not know where it is");
-    }
-
-    /// The reason that is told is the one that there is, and what is refused is not offered.
-    #[test]
-    fn no_lap_is_driven_or_dropped_while_the_robot_has_to_find_its_place() {
-        let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
-        let mut run = SimulatedRun::<io::Sink>::new(&world, header, NoiseProfile::None, None);
-        run.intent(Intent::StepPhase);
-        while run.is_under_way() {
-            run.advance();
-        }
-        let footer = |run: &SimulatedRun<io::Sink>| {
-            let model = Model::new(160, 40, Keymap::default());
-            let (symbols, _) = planes(&model, &run.snapshot());
-            symbols.lines().last().expect("a footer").to_owned()
-        };
-        assert!(footer(&run).contains("L B lap"), "{}", footer(&run));
-        run.intent(Intent::Placed { near: None });
-        assert!(!footer(&run).contains("lap"), "{}", footer(&run));
-        for wish in [Intent::LapAgain, Intent::LapAnew] {
-            run.intent(wish);
-            let told = run.session().events().back().expect("an answer").kind.to_string();
-            assert!(told.ends_with("the robot has to find its place first"), "{told}");
-        }
     }
 
     fn header(name: &str, text: &str) -> (World, Header) {

@@ -35,17 +35,13 @@ pub(super) fn press(
 
 /// Does what the command says.
 pub(super) fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> Vec<Effect> {
+    let is_told_to_the_run = matches!(
+        command,
+        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
+    );
     match command {
-        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
-            if snapshot.recorded =>
-        {
-            only_looked_at(model)
-        }
-        Command::Alpha(_) | Command::Tape(_) | Command::TapeWall { .. } | Command::Placed(_)
-            if model.is_alone(snapshot) =>
-        {
-            not_answered(model, snapshot)
-        }
+        _ if is_told_to_the_run && snapshot.recorded => only_looked_at(model),
+        _ if is_told_to_the_run && model.is_alone(snapshot) => not_answered(model, snapshot),
         Command::Action(action) => perform(model, snapshot, action),
         Command::Alpha(alpha) => set_alpha(model, snapshot, alpha),
         Command::Tape(Tape { from, to, length }) => {

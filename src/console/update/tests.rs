@@ -16,6 +16,18 @@ fn waiting() -> (Model, Snapshot) {
     (Model::new(80, 24, Keymap::default()), Snapshot::waiting(settings, "nowhere"))
 }
 
+/// A robot that stands at the origin.
+fn at_rest() -> RobotView {
+    RobotView {
+        pose: Some(Pose::new(0.0, 0.0, 0.0)),
+        position_sd: 0.0,
+        switches: SwitchSet::default(),
+        bumper: false,
+        moving: false,
+        needs_place: false,
+    }
+}
+
 #[test]
 fn keys_that_come_faster_than_frames_each_count() {
     let (mut model, mut snapshot) = waiting();
@@ -317,14 +329,7 @@ fn the_title_of_the_map_leaves_that_of_the_panel_alone() {
 fn who_clears_the_stop_of_a_robot_that_is_not_heard_is_not_told_that_it_runs_on() {
     let (mut model, mut snapshot) = waiting();
     (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
-    let value = RobotView {
-        pose: Some(Pose::new(0.0, 0.0, 0.0)),
-        position_sd: 0.0,
-        switches: SwitchSet::default(),
-        bumper: false,
-        moving: false,
-        needs_place: false,
-    };
+    let value = at_rest();
     let mut said = |robot: Known<RobotView>| {
         snapshot.robot = robot;
         assert_eq!(perform(&mut model, &snapshot, Action::ClearStop).len(), 1);
@@ -366,14 +371,7 @@ fn a_robot_that_has_not_answered_yet_is_told_nothing() {
         assert!(!alone.contains(offered), "{offered}:\n{alone}");
     }
     model.hint = told;
-    snapshot.robot = Known::Known(RobotView {
-        pose: Some(Pose::new(0.0, 0.0, 0.0)),
-        position_sd: 0.0,
-        switches: SwitchSet::default(),
-        bumper: false,
-        moving: false,
-        needs_place: false,
-    });
+    snapshot.robot = Known::Known(at_rest());
     assert_eq!(model.remark(&snapshot), None, "it has answered");
     assert!(frame(&model, &snapshot).contains("r run/pause"));
     let run = perform(&mut model, &snapshot, Action::RunPause);

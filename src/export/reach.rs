@@ -12,6 +12,8 @@ use cavalier_contours::polyline::{PlineSource, PlineSourceMut, PlineVertex, Poly
 
 /// Outlines that differ by less than this share of their area are the same.
 const SAME: f64 = 1e-4;
+/// Shares of the radius that are tried first where the whole of it goes wrong.
+const SMALLER: [f64; 3] = [0.125, 0.25, 0.5];
 /// In a corner sharper than this the switches do not see the walls to where they meet, nor nearly, radians.
 const SHARP: f64 = 1.4;
 /// Of a wall no more than this share is taken for the round at one of its ends.
@@ -31,10 +33,13 @@ pub fn closing(ring: &Ring, radius: f64) -> Option<Ring> {
         let from = piece.from();
         outline.add_vertex(PlineVertex::new(from.x, from.y, piece.bulge()));
     }
-    // To the right of a counter-clockwise outline lies the outside.
-    let closed = largest(&largest(&outline, -radius)?, radius)?;
+    // What a small disc closes a large one does too; with notches of a few millimetres gone, an offset that
+    // lost its way among them finds it.
+    let closed = closed(&outline, radius).or_else(|| {
+        SMALLER.iter().find_map(|share| closed(&closed(&outline, radius * share)?, radius))
+    })?;
     let area = ring.area().abs();
-    if (closed.area() - area).abs() < SAME * area {
+    if closed.area() - area < SAME * area {
         return None;
     }
     let corners: Vec<(Point, f64)> =
@@ -44,8 +49,15 @@ pub fn closing(ring: &Ring, radius: f64) -> Option<Ring> {
         Piece::with_bulge(from, to, bulge)
     });
     let closed = Ring { pieces: pieces.collect() };
-    // An offset that went wrong must not shrink what was touched.
-    (closed.pieces.len() >= 3 && closed.area() > area).then_some(closed)
+    (closed.pieces.len() >= 3).then_some(closed)
+}
+
+/// `outline` moved out by `radius` and in again; none where an offset went wrong, which shrinks what was
+/// touched.
+fn closed(outline: &Polyline<f64>, radius: f64) -> Option<Polyline<f64>> {
+    // To the right of a counter-clockwise outline lies the outside.
+    let closed = largest(&largest(outline, -radius)?, radius)?;
+    (closed.area() > (1.0 - SAME) * outline.area()).then_some(closed)
 }
 
 /// The outline of a room, counter-clockwise like `ring`, with every sharp corner as round as a robot feels it
@@ -205,6 +217,33 @@ mod tests {
         let left = felt.pieces.iter().map(|piece| piece.at(0.5));
         assert!(left.into_iter().any(|middle| short.distance(middle) < 1e-6), "{felt:?}");
         assert!(felt.area() < room.area() && felt.area() > 0.9 * room.area());
+    }
+
+    #[test]
+    fn notches_of_millimetres_do_not_hide_the_round_of_an_inner_corner() {
+        // Two boards that nearly meet; the switches saw into the gap of 9 mm between them.
+        let boards = [
+            (1.9569, 0.5204),
+            (1.9381, 0.5008),
+            (0.7425, 0.6706),
+            (0.7391, 0.6502),
+            (1.9472, 0.4776),
+            (1.9491, 0.4952),
+            (1.9536, 0.5048),
+            (1.9593, 0.5022),
+            (1.9633, 0.5022),
+            (1.9755, 0.5173),
+            (1.8235, 1.2498),
+            (1.8235, 1.2512),
+            (1.8283, 1.349),
+            (1.9673, 1.6984),
+            (1.9477, 1.7051),
+            (1.7908, 1.3068),
+        ];
+        let ring = Ring::polygon(&boards.map(|(x, y)| Point::new(x, y)));
+        let closed = closing(&ring, 0.1).expect("another outline");
+        // The same from buffers of shapely 2.1, with arcs of 32 chords a quarter.
+        assert!((closed.area() - 0.0553).abs() < 5e-5, "{}", closed.area());
     }
 
     #[test]

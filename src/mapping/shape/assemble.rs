@@ -48,6 +48,9 @@ pub enum Loops {
 enum Freedom {
     /// Corners beyond the contacts.
     Fit,
+    /// The same, inner corners not as far: where something thin turns, its back may be as near to them as noise
+    /// is wide.
+    Short,
     /// The fitted piece, but linked to its neighbours contact to contact.
     Linked,
     /// The contacts themselves.
@@ -64,7 +67,7 @@ pub(super) fn ring(judge: &Judge<'_>, runs: &[Run], loops: Loops) -> Option<Ring
     };
     let turned = |sides: [(Point, Point); 2]| loops == Loops::All || !sides.iter().all(crosses_gap);
     let mut freedom = vec![Freedom::Fit; runs.len()];
-    for _ in 0..40 {
+    for _ in 0..60 {
         let vertices = clean(without_small_loops(tidy(draw(judge, runs, &freedom))));
         let made = to_ring(&vertices);
         let (points, owners) = chords(&made);
@@ -112,7 +115,8 @@ fn without_crossings(ring: &Ring, turned: bool) -> Option<Ring> {
 /// One step less freedom for a run; false when it has none left.
 fn restrain(freedom: &mut [Freedom], run: usize) -> bool {
     let next = match freedom[run] {
-        Freedom::Fit => Freedom::Linked,
+        Freedom::Fit => Freedom::Short,
+        Freedom::Short => Freedom::Linked,
         Freedom::Linked | Freedom::Contacts => Freedom::Contacts,
     };
     let changed = next != freedom[run];
@@ -193,10 +197,11 @@ fn draw(judge: &Judge<'_>, runs: &[Run], freedom: &[Freedom]) -> Vec<Vertex> {
     let joints: Vec<Joint> = (0..count)
         .map(|k| {
             let next = (k + 1) % count;
-            if freedom[k] == Freedom::Fit && freedom[next] == Freedom::Fit {
-                judge.joint(&runs[k], &runs[next])
-            } else {
-                judge.link(&runs[k], &runs[next])
+            let (run, next) = ((&runs[k], freedom[k]), (&runs[next], freedom[next]));
+            match run.1.max(next.1) {
+                Freedom::Fit => judge.joint(run.0, next.0),
+                Freedom::Short => judge.short_joint(run.0, next.0),
+                Freedom::Linked | Freedom::Contacts => judge.link(run.0, next.0),
             }
         })
         .collect();
@@ -305,6 +310,40 @@ mod tests {
         let mended = simple(&crossed).expect("a neck that is open");
         assert!(crossings(&mended.to_points(SAGITTA)).is_empty());
         assert!((mended.area() - 11.975).abs() < 0.005, "{}", mended.area());
+    }
+
+    #[test]
+    fn an_inner_corner_of_something_thin_goes_as_far_as_its_back_allows() {
+        // Two boards of 2 cm at a right angle, seen up to 11 cm from their inner corner; where they nearly meet,
+        // the switches saw into the gap between them from behind.
+        let faces = [
+            [(0.11, 0.0), (0.6, 0.0)],
+            [(0.6, -0.002), (0.6, -0.018)],
+            [(0.6, -0.02), (-0.004, -0.02)],
+            [(-0.005, -0.018), (0.003, 0.002)],
+            [(0.002, 0.002), (-0.018, -0.005)],
+            [(-0.02, -0.004), (-0.02, 0.6)],
+            [(-0.018, 0.6), (-0.002, 0.6)],
+            [(0.0, 0.6), (0.0, 0.11)],
+        ];
+        let (mut samples, mut runs) = (Vec::new(), Vec::new());
+        for [a, b] in faces.map(|face| face.map(|(x, y)| Point::new(x, y))) {
+            let direction = (b - a).normalize();
+            let away = crate::geometry::perp(direction) * 0.15;
+            let first = samples.len();
+            samples.extend((0..9).map(|k| {
+                let point = a + (b - a) * (f64::from(k) / 8.0);
+                Sample { point, from: point + away, weight: 1.0, edges: Vec::new() }
+            }));
+            let model = Model::Line { center: a, direction };
+            runs.push(Run { first, last: samples.len() - 1, model });
+        }
+        let judge = Judge { samples: &samples, sigma: 0.0015, reach: 0.16 };
+        let made = ring(&judge, &runs, Loops::All).expect("an outline");
+        assert!(crossings(&made.to_points(SAGITTA)).is_empty());
+        assert!(made.distance(Point::new(0.025, 0.0)) < 1e-9, "{made:?}");
+        assert!(made.distance(Point::new(0.0, 0.025)) < 1e-9, "{made:?}");
+        assert!(!made.reversed().contains(Point::new(0.04, 0.04)), "{made:?}");
     }
 
     #[test]

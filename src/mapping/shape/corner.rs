@@ -27,6 +27,8 @@ const OF_LENGTH: f64 = 0.8;
 /// The same to an inner corner that its neighbour ends no farther from than this, metres.
 const TO_A_WALL: f64 = 1.3;
 const TO_THE_END: f64 = 0.1;
+/// An inner corner that may not be drawn to its end is drawn out by this share of the way.
+const SHORT: f64 = 0.8;
 
 /// A piece longer than this cuts off no corner, metres.
 const MOST_CUT: f64 = 0.2;
@@ -68,6 +70,21 @@ impl Judge<'_> {
             Some(corner) => Joint { end: corner, start: corner },
             None => self.thin_end(a, b).unwrap_or_else(|| self.link(a, b)),
         }
+    }
+
+    /// The joint from run `a` to run `b`, an inner corner cut off shortly before it.
+    pub(super) fn short_joint(&self, a: &Run, b: &Run) -> Joint {
+        let Joint { end, start } = self.joint(a, b);
+        let short = |run: &Run, last: usize| {
+            let foot = self.foot(run, last);
+            foot + (end - foot) * SHORT
+        };
+        let (short_end, short_start) = (short(a, a.last), short(b, b.first));
+        let is_inner = cross(end - short_end, short_start - start) > 0.0;
+        if end != start || !is_inner {
+            return Joint { end, start };
+        }
+        Joint { end: short_end, start: short_start }
     }
 
     /// The joint that invents nothing: from the last contact straight to the first.

@@ -190,7 +190,7 @@ pub struct SnapshotArgs {
         conflicts_with_all = ["MappingFlags", "RobotFlags"]
     )]
     pub replay: Option<PathBuf>,
-    /// With --replay, and needed there: instant of the recorded run, in simulated seconds
+    /// With --replay, and needed there: instant of the recorded run, in robot seconds since it began
     #[arg(
         long,
         value_name = "T",

@@ -111,7 +111,7 @@ pub struct Progress {
     pub phase: Phase,
     /// Share of that phase that is done, 0 to 1, where it can be told.
     pub share: Option<f64>,
-    /// Robot time, seconds.
+    /// Robot time since the first report of the run, seconds.
     pub time: f64,
     /// Metres travelled so far.
     pub travel: f64,

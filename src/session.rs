@@ -189,11 +189,11 @@ impl Session {
         self.fault = None;
         let phase = self.mission.phase() as usize;
         let tracker = self.mission.tracker();
-        let (time, travelled) = (tracker.time_us(), tracker.travelled());
+        let (passed_us, travelled) = (tracker.passed_us(), tracker.travelled());
         let mut outputs = Vec::new();
         self.mission.telemetry(&input, &mut outputs);
         let tracker = self.mission.tracker();
-        self.progress[phase].seconds += tracker.time_us().saturating_sub(time) as f64 * 1e-6;
+        self.progress[phase].seconds += tracker.passed_us().saturating_sub(passed_us) as f64 * 1e-6;
         self.progress[phase].travel += tracker.travelled() - travelled;
         self.heard = true;
         self.version += 1;
@@ -462,8 +462,14 @@ impl Session {
         }
         let map = self.mission.map_now();
         let felt = if map.closed { self.mission.live_contacts() } else { Vec::new() };
+        let began_us = tracker.began_us();
+        let since_it_began = |event: &Event| Event {
+            // What was told before the first report has no time of the robot's.
+            time_us: event.time_us.saturating_sub(began_us),
+            kind: event.kind.clone(),
+        };
         Snapshot {
-            time: tracker.time_us() as f64 * 1e-6,
+            time: tracker.passed(),
             phase: self.mission.phase(),
             progress,
             run: self.run,
@@ -479,7 +485,7 @@ impl Session {
             map,
             felt: felt.iter().map(|contact| contact.point).collect(),
             settings: self.mission.settings().clone(),
-            events: self.events.iter().cloned().collect(),
+            events: self.events.iter().map(since_it_began).collect(),
             forgotten: self.forgotten,
             bumps: self.mission.bumps(),
             source: self.source.clone(),

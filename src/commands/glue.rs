@@ -226,7 +226,7 @@ pub(super) fn warn_torn(recording: &Recording) {
     }
 }
 
-/// A frame of a record at an instant, in robot seconds.
+/// A frame of a record at an instant, in robot seconds since the run began.
 ///
 /// # Errors
 /// When the record does not reach that instant, or is played back another way than it was made.

@@ -120,7 +120,7 @@ fn take_up(
     output::say(&format!(
         "periplus: going on in the {} phase, {:.0} s into the run",
         session.mission().phase(),
-        session.mission().tracker().time_us() as f64 * 1e-6
+        session.mission().tracker().passed()
     ));
     if common.keeping.placed.is_some() && session.mission().phase() == Phase::Boundary {
         let why = "the boundary is not closed yet: the lap begins anew from --placed";

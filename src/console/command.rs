@@ -20,7 +20,7 @@ pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("placed", "X,Y,DEG", "the robot was carried, about there; alone: nobody knows where"),
     ("speed", "N", "set the speed of simulated time, or max"),
     ("export", "DIR", "write the map so far"),
-    ("at", "SECONDS", "in a replay: go to that instant, forth or back"),
+    ("at", "SECONDS", "in a replay: go to that instant, seconds since the run began"),
 ];
 
 /// What commands are for: not every one is of use with each.
@@ -113,7 +113,7 @@ pub enum CommandError {
     #[error("export needs a folder, such as `export=my-map`")]
     Export,
     /// No instant.
-    #[error("at needs seconds of the robot's time, such as `at=90`")]
+    #[error("at needs seconds since the run began, such as `at=90`")]
     At,
     /// A plan cannot be chosen any more.
     #[error(

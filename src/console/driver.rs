@@ -41,7 +41,7 @@ pub trait Driver {
         false
     }
 
-    /// Goes to an instant of the record, robot seconds, and answers in a few words.
+    /// Goes to an instant of the record, robot seconds since the run began, and answers in a few words.
     ///
     /// # Errors
     /// In words, when there is no record, or not as much of it.

@@ -312,6 +312,25 @@ impl Tracker {
         self.last.map_or(0, |last| last.time_us)
     }
 
+    /// Robot time of the first reading, microseconds: a real robot counts from when it was switched on. 0
+    /// before there is one.
+    #[must_use]
+    pub fn began_us(&self) -> u64 {
+        self.first_us
+    }
+
+    /// Robot time from the first reading to the last, microseconds: how long the run has gone on.
+    #[must_use]
+    pub fn passed_us(&self) -> u64 {
+        self.time_us().saturating_sub(self.first_us)
+    }
+
+    /// The same in seconds.
+    #[must_use]
+    pub fn passed(&self) -> f64 {
+        self.passed_us() as f64 * 1e-6
+    }
+
     /// The trajectory: one point for each reading at which the robot had moved.
     #[must_use]
     pub fn path(&self) -> &[PathPoint] {

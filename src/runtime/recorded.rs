@@ -79,7 +79,7 @@ pub struct RecordedDriver {
     /// As it was in the beginning, to go back.
     first: Replay,
     replay: Replay,
-    /// Instant of the playback, robot seconds.
+    /// Instant of the playback, robot seconds since the run began.
     at: f64,
     playing: bool,
     version: u64,
@@ -89,7 +89,7 @@ impl RecordedDriver {
     /// Shows `replay` from where it stands, paused.
     #[must_use]
     pub fn new(mut replay: Replay) -> Self {
-        // The greeting and the first wish happened at nought: without them there is no robot to see.
+        // The first report is the beginning: without it there is no robot to see.
         replay.advance_to(0.0);
         Self { first: replay.clone(), replay, at: 0.0, playing: false, version: 0 }
     }
@@ -115,9 +115,9 @@ impl RecordedDriver {
         self.at = self.time();
     }
 
-    /// Robot time of what is shown, seconds.
+    /// Robot time of what is shown, seconds since the run began.
     fn time(&self) -> f64 {
-        self.replay.session().mission().tracker().time_us() as f64 * 1e-6
+        self.replay.session().mission().tracker().passed()
     }
 }
 

@@ -305,7 +305,7 @@ impl<W: Write> Runner for Headless<W> {
         Progress {
             phase: mission.phase(),
             share: mission.share(),
-            time: mission.tracker().time_us() as f64 * 1e-6,
+            time: mission.tracker().passed(),
             travel: mission.tracker().travelled(),
         }
     }

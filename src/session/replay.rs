@@ -49,6 +49,8 @@ pub enum Landmark {
 #[derive(Debug, Clone)]
 pub struct Replay {
     session: Session,
+    /// Robot time of the first report, microseconds.
+    began_us: u64,
     records: Vec<Record>,
     next: usize,
     given: VecDeque<Command>,
@@ -62,8 +64,10 @@ impl Replay {
     #[must_use]
     pub fn new(recording: Recording) -> Self {
         let Header { settings, source, until, .. } = recording.header;
+        let session = Session::new(settings, source, until.unwrap_or(Phase::Objects));
         Self {
-            session: Session::new(settings, source, until.unwrap_or(Phase::Objects)),
+            began_us: began_us(session.clone(), &recording.records),
+            session,
             records: recording.records,
             next: 0,
             given: VecDeque::new(),
@@ -104,16 +108,20 @@ impl Replay {
         self.next >= self.records.len()
     }
 
-    /// Robot time of the next record, seconds; none at the end.
+    /// Robot time of the next record, seconds since the run began; none at the end.
     #[must_use]
     pub fn next_time(&self) -> Option<f64> {
-        self.records.get(self.next).map(|record| record.time_us as f64 * 1e-6)
+        self.records.get(self.next).map(|record| self.since_it_began(record))
     }
 
-    /// Robot time of the last record, seconds.
+    /// Robot time of the last record, seconds since the run began.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.records.last().map_or(0.0, |record| record.time_us as f64 * 1e-6)
+        self.records.last().map_or(0.0, |record| self.since_it_began(record))
+    }
+
+    fn since_it_began(&self, record: &Record) -> f64 {
+        record.time_us.saturating_sub(self.began_us) as f64 * 1e-6
     }
 
     /// Takes the next record.
@@ -155,7 +163,7 @@ impl Replay {
         }
     }
 
-    /// Takes every record up to robot time `seconds`.
+    /// Takes every record up to robot time `seconds` since the run began.
     pub fn advance_to(&mut self, seconds: f64) {
         while self.next_time().is_some_and(|time| time <= seconds) {
             self.step();
@@ -196,4 +204,15 @@ impl Replay {
     pub fn is_complete(&self) -> bool {
         matches!(self.session.run_state(), RunState::Complete | RunState::Failed(_))
     }
+}
+
+/// Robot time, microseconds, of the first report that a `session` at its beginning believes: a real robot counts
+/// from when it was switched on, and the run from there.
+fn began_us(mut session: Session, records: &[Record]) -> u64 {
+    let first = records.iter().find_map(|record| {
+        let Entry::Telemetry(telemetry) = &record.entry else { return None };
+        session.telemetry(telemetry, &mut Vec::new());
+        session.mission().tracker().last()
+    });
+    first.map_or(0, |first| first.time_us)
 }

@@ -108,7 +108,7 @@ pub struct PhaseProgress {
 /// One instant of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
-    /// Robot time, seconds.
+    /// Robot time since the first report of the run, seconds.
     pub time: f64,
     /// Which phase the run is in.
     pub phase: Phase,
@@ -133,7 +133,8 @@ pub struct Snapshot {
     pub felt: Vec<Point>,
     /// What the run was started with (α as it is now).
     pub settings: Settings,
-    /// The newest events, oldest first; as many as the log can show.
+    /// The newest events, oldest first; as many as the log can show. Their time counts, as [`Snapshot::time`]
+    /// does, from the first report of the run.
     pub events: Vec<Event>,
     /// Events before those.
     pub forgotten: u64,

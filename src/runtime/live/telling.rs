@@ -54,7 +54,7 @@ impl<W: Write> LiveRun<W> {
         Some(Progress {
             phase: mission.phase(),
             share: mission.share(),
-            time: mission.tracker().time_us() as f64 * 1e-6,
+            time: mission.tracker().passed(),
             travel: session.progress().iter().map(|phase| phase.travel).sum(),
         })
     }

@@ -476,3 +476,39 @@ fn a_map_with_a_name_is_called_by_it_after_a_resume_as_well() {
         }
     }
 }
+
+/// A robot counts its time from when it was switched on. What a run shows and tells counts from its beginning, and
+/// its record played back does so too.
+#[test]
+fn a_robot_that_was_switched_on_long_ago_begins_its_run_at_nought() {
+    use crate::console::driver::Driver;
+    use crate::runtime::recorded::RecordedDriver;
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.clock = |us| us + 500_000_000;
+    rig.until(20.0, |_| false);
+    let live = rig.run.snapshot(rig.now);
+    let late = |snapshot: &crate::session::Snapshot| {
+        let events = snapshot.events.iter().map(|event| event.time_us as f64 * 1e-6);
+        events.fold(snapshot.time, f64::max)
+    };
+    assert!(live.time > 15.0 && late(&live) < 20.1, "{} s", late(&live));
+    let progress = rig.run.progress().expect("it goes on");
+    assert_eq!(progress.time, live.time);
+    assert!((live.progress[0].seconds - live.time).abs() < 1e-6, "what the report tells");
+
+    rig.run.hand_record_on();
+    let bytes = rig.memory.bytes.borrow().clone();
+    let read = || crate::journal::reader::parse(std::path::Path::new("record"), &bytes);
+    let mut driver = RecordedDriver::new(crate::session::Replay::new(read().expect("a record")));
+    let first = driver.snapshot();
+    assert!(matches!(first.robot, crate::session::Known::Known(_)), "it is there from the first");
+    assert_eq!(first.time, 0.0);
+    assert!(first.source.starts_with("replay 0/20 s of "), "{}", first.source);
+    driver.go_to(10.0).expect("an instant");
+    let at = driver.snapshot();
+    assert!((9.9..=10.0).contains(&at.time) && late(&at) <= 10.0, "{} s", at.time);
+    assert_eq!(driver.go_to(400.0), Err("the record ends at 20 s".to_owned()));
+    driver.intent(Intent::Run);
+    driver.advance(5.0);
+    assert!((14.9..=15.0).contains(&driver.snapshot().time));
+}

@@ -199,6 +199,107 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
     refused(&calibrate, &["cannot be reached"]);
 }
 
+/// Nobody drives a run to its end to hear then that it measured nothing.
+#[test]
+fn a_run_of_one_lap_is_not_gone_on_with_as_a_calibration() {
+    let dir = place("not-measuring");
+    let real = dir.join("real");
+    let (header, records) = as_of_a_real_robot(&dir);
+    let write = |laps: u32, until: Option<Phase>| {
+        let mut header = header.clone();
+        (header.settings.laps, header.until) = (laps, until);
+        let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
+        records[..records.len() / 2].iter().for_each(|record| journal.record(record));
+        fs::create_dir_all(&real).expect("a folder");
+        let bytes = journal.finish().expect("memory");
+        fs::write(real.join("journal"), &bytes).expect("a record");
+        bytes
+    };
+    let dir = real.to_str().expect("a path");
+    let resume = ["--port", "tcp://127.0.0.1:1", "--resume", dir];
+    let (calibrate, run) =
+        ([&["calibrate"][..], &resume].concat(), [&["run"][..], &resume].concat());
+    let before = write(1, None);
+    let instead = format!("`periplus run --port tcp://127.0.0.1:1 --resume {dir}` goes on with it");
+    refused(&calibrate, &["record of a run of one lap", &instead, "calibrate --out DIR"]);
+    assert_eq!(fs::read(real.join("journal")).expect("a record"), before, "it was written to");
+    refused(&run, &["cannot be reached"]);
+    write(2, Some(Phase::Boundary));
+    refused(&calibrate, &["ends with the boundary", &instead]);
+    // A calibration may be gone on with as a run: it writes the same files.
+    write(2, Some(Phase::Shape));
+    refused(&calibrate, &["cannot be reached"]);
+    refused(&run, &["cannot be reached"]);
+}
+
+/// What is behind the damage is nobody's to throw away; what is before it can be gone on with in a copy.
+#[test]
+fn a_damaged_run_says_how_to_go_on_from_what_is_whole() {
+    let dir = place("damaged-run");
+    let (real, copy) = (dir.join("real"), dir.join("copy"));
+    let (header, records) = as_of_a_real_robot(&dir);
+    let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
+    records[..records.len() / 2].iter().for_each(|record| journal.record(record));
+    let text = String::from_utf8(journal.finish().expect("memory")).expect("text");
+    let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
+    lines[499] = "one line that was lost\n";
+    for (dir, lines) in [(&real, &lines[..]), (&copy, &lines[..499])] {
+        fs::create_dir_all(dir).expect("a folder");
+        fs::write(dir.join("journal"), lines.concat()).expect("a record");
+    }
+    let port = "tcp://127.0.0.1:1";
+    let record = real.join("journal");
+    let head = format!("head -n 499 {} > NEW/journal", record.display());
+    let says =
+        ["journal:500:", &head, "off and on", "--port tcp://127.0.0.1:1 --resume NEW --placed"];
+    refused(&["run", "--port", port, "--resume", real.to_str().expect("a path")], &says);
+    assert_eq!(fs::read_to_string(&record).expect("text"), lines.concat());
+    let told =
+        ["run", "--port", port, "--resume", copy.to_str().expect("a path"), "--placed", "1,1,90"];
+    refused(&told, &["cannot be reached"]);
+}
+
+/// A robot counts its time from when it was switched on.
+#[test]
+fn an_instant_of_a_real_robots_record_counts_from_the_beginning_of_the_run() {
+    let dir = place("switched-on");
+    let real = dir.join("real");
+    let (header, records) = as_of_a_real_robot(&dir);
+    let before = 3_600_000_000;
+    let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
+    let mut began = false;
+    for mut record in records.iter().take(1500).cloned() {
+        if began {
+            record.time_us += before;
+        }
+        match &mut record.entry {
+            Entry::Telemetry(
+                Telemetry::Report { odometer, .. } | Telemetry::Done { odometer, .. },
+            ) => {
+                odometer.time_us += before;
+                began = true;
+            }
+            Entry::Telemetry(Telemetry::Edge(edge)) => edge.odometer.time_us += before,
+            _ => {}
+        }
+        journal.record(&record);
+    }
+    fs::create_dir_all(&real).expect("a folder");
+    fs::write(real.join("journal"), journal.finish().expect("memory")).expect("a record");
+    let dir = real.to_str().expect("a path");
+    let frame = |at: &str| periplus(&["snapshot", "--replay", dir, "--at", at, "--size", "80x24"]);
+    let shown = frame("10");
+    let text = String::from_utf8_lossy(&shown.stdout);
+    assert_eq!(shown.status.code(), Some(0), "{}", String::from_utf8_lossy(&shown.stderr));
+    let header = text.lines().next().expect("a header");
+    assert!(header.contains("0:00:10") || header.contains("0:00:09"), "{text}");
+    assert!(!text.contains("1:00:"), "{text}");
+    refused(
+        &["snapshot", "--replay", dir, "--at", "3600", "--size", "80x24"],
+        &["the record ends at"],
+    );
+}
+
 /// What the operator changed since the run began is in the record, and that is what holds.
 #[test]
 fn a_run_goes_on_with_what_its_operator_chose_last() {

@@ -15,6 +15,9 @@ pub enum Told {
     Measured,
 }
 
+/// Laps both ways round, for what they tell of the robot.
+pub const BOTH_WAYS: u32 = 2;
+
 /// What was kept of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kept {

@@ -1,6 +1,6 @@
 //! The commands that reach for a port: `run --port`, `console --port`, `robot` and `ports`.
 
-use super::ending::{self, Kept, Told};
+use super::ending::{self, BOTH_WAYS, Kept, Told};
 use super::{CommandError, glue, output, world};
 use crate::cli::{ArgumentError, Common, RobotArgs, RobotChoice};
 use crate::console::app::Options;
@@ -9,8 +9,10 @@ use crate::console::terminal;
 use crate::export::body;
 use crate::firmware::Device;
 use crate::geometry::Pose;
+use crate::journal::{Header, JournalError, Recording};
 use crate::link::{Address, Faults, FaultyWay, RobotEnd, port};
 use crate::mapping::map::Phase;
+use crate::mapping::mission::Mission;
 use crate::mapping::settings::Settings;
 use crate::mapping::tape::Tape;
 use crate::robot::Intent;
@@ -63,9 +65,10 @@ fn open(
     until: Option<Phase>,
     at_once: bool,
     out: &Path,
+    told: Told,
 ) -> Result<(Line, OutputFolder), CommandError> {
     if let Some(dir) = &common.keeping.resume {
-        return take_up(address, common, (until, at_once), dir);
+        return take_up(address, common, (until, at_once), told, dir);
     }
     OutputFolder::refuse_taken(out)?;
     let plan = Plan { settings: settings(common)?, port: address.to_string(), until, at_once };
@@ -85,11 +88,13 @@ fn take_up(
     address: &Address,
     common: &Common,
     (until, at_once): (Option<Phase>, bool),
+    told: Told,
     dir: &Path,
 ) -> Result<(Line, OutputFolder), CommandError> {
     let refused = |why: String| CommandError::Input(format!("--resume {}: {why}", dir.display()));
     let (folder, mut journal) = reopen(dir)?;
-    let recording = crate::journal::read_open(&folder.journal(), &mut journal)?;
+    let recording = crate::journal::read_open(&folder.journal(), &mut journal);
+    let recording = recording.map_err(|error| damaged(error, address, dir))?;
     glue::warn_torn(&recording);
     let (header, sound) = (recording.header.clone(), recording.sound as u64);
     let records = recording.records.len() as u64;
@@ -108,6 +113,14 @@ fn take_up(
     if let Some(Ending { reason, .. }) = Ending::of(replay.session()) {
         let todo = "what is over is not gone on with, begin another with --out DIR";
         return Err(refused(format!("it is over: {reason}; {todo}")));
+    }
+    if told == Told::Measured {
+        measures(&header, replay.session().mission()).map_err(|what| {
+            let todo = format!("`periplus run --port {address} --resume {}`", dir.display());
+            refused(format!(
+                "{what}; {todo} goes on with it, and `periplus calibrate --out DIR` begins another"
+            ))
+        })?;
     }
     let holds = replay.session().mission().settings();
     same_settings(&header.settings, holds, common).map_err(refused)?;
@@ -133,6 +146,43 @@ fn take_up(
     let interrupted = Interrupted { session, robot, life, placed, unrecorded, records };
     let line = Line::open(address.clone(), plan, journal, Some(interrupted));
     Ok((line.map_err(|error| CommandError::Input(error.to_string()))?, folder))
+}
+
+/// Refuses to go on calibrating with a run that comes to its end without having measured its robot, and says what
+/// it is.
+fn measures(header: &Header, mission: &Mission) -> Result<(), String> {
+    let takes = "and a calibration takes a lap each way round";
+    // Fewer than it was begun with are those after which the robot could not go on.
+    if mission.settings().laps.max(header.settings.laps) < BOTH_WAYS {
+        return Err(format!("it is the record of a run of one lap, {takes}"));
+    }
+    if header.until == Some(Phase::Boundary) {
+        let why = "it is the record of a run that ends with the boundary";
+        return Err(format!("{why}, and the laps are laid on the walls after that"));
+    }
+    if mission.phase() != Phase::Boundary && mission.map().laps < BOTH_WAYS {
+        return Err(format!("it is the record of a run that went on after one lap, {takes}"));
+    }
+    Ok(())
+}
+
+/// What to do about a record that is `damaged` in the middle: going on in it would cut off what is behind that. In
+/// a copy of what is whole nothing is lost; only the robot has driven on since, and must not be believed to stand
+/// where that ends.
+fn damaged(error: JournalError, address: &Address, dir: &Path) -> CommandError {
+    let JournalError::Damaged { path, line, .. } = &error else { return error.into() };
+    let real = |whole: Recording| whole.header.robot.is_some();
+    if *line == 1 || !crate::journal::read_whole_part(path).is_ok_and(real) {
+        return error.into();
+    }
+    let (record, whole) = (path.display(), line - 1);
+    CommandError::Input(format!(
+        "--resume {}: {error}. To go on from there, copy that to a new folder NEW: `mkdir NEW; head -n {whole} \
+         {record} > NEW/journal`; switch the robot off and on, since it has driven on after that and has to find \
+         its place; then `periplus run --port {address} --resume NEW --placed X,Y,DEG`, with the place where it \
+         stands about",
+        dir.display()
+    ))
 }
 
 /// Takes the record of an interrupted run in hand, before it is read: another program may still write to it.
@@ -222,7 +272,7 @@ pub fn run(
     out: &Path,
     told: Told,
 ) -> Result<u8, CommandError> {
-    let (line, folder) = open(address, common, until, true, out)?;
+    let (line, folder) = open(address, common, until, true, out, told)?;
     let signals = Signals::listen()
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;
     let watch = Stopwatch::start();
@@ -331,7 +381,7 @@ pub fn console(address: &Address, screen: Options, common: &Common) -> Result<u8
     };
     // Asked for first, so that a panic stops the robot before it writes to the terminal.
     terminal::restore_before_reports();
-    let (line, folder) = open(address, common, None, false, &out)?;
+    let (line, folder) = open(address, common, None, false, &out, Told::Ending)?;
     let waiting = Snapshot::waiting(settings(common)?, address.to_string());
     let watch = Stopwatch::start();
     let mut driver = LiveDriver { line, waiting };
@@ -472,7 +522,7 @@ mod tests {
         let file = File::create(dir.join("journal")).expect("a record");
         file.try_lock().expect("nobody has it");
         let address: Address = "tcp://127.0.0.1:1".parse().expect("an address");
-        let taken = || take_up(&address, &Common::default(), (None, false), &dir);
+        let taken = || take_up(&address, &Common::default(), (None, false), Told::Ending, &dir);
         let why = taken().err().expect("two writers").to_string();
         assert!(why.contains("another program is recording"), "{why}");
         drop(file);

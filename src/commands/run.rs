@@ -1,6 +1,6 @@
 //! `periplus run`: a whole run without a terminal.
 
-use super::ending::{self, Kept, Told};
+use super::ending::{self, BOTH_WAYS, Kept, Told};
 use super::{CommandError, glue, real, world};
 use crate::cli::{ArgumentError, RunArgs};
 use crate::export::body;
@@ -51,9 +51,6 @@ fn map(args: RunArgs, told: Told) -> Result<u8, CommandError> {
     let driven = drive(&mut *runner, &signals);
     finish(&mut *runner, &driven, &folder, told)
 }
-
-/// Laps both ways round, for what they tell of the robot.
-const BOTH_WAYS: u32 = 2;
 
 /// Measures wheels and gyro, writes `chassis.toml` besides the results, tells the figures and gives the exit
 /// status.

@@ -482,6 +482,7 @@ impl Session {
                 reason,
             }),
             alpha_is_open: self.mission.plan_is_open() && !self.run.is_over(),
+            laps_are_open: self.mission.laps_are_open() && !self.run.is_over(),
             map,
             felt: felt.iter().map(|contact| contact.point).collect(),
             settings: self.mission.settings().clone(),
@@ -490,6 +491,7 @@ impl Session {
             bumps: self.mission.bumps(),
             source: self.source.clone(),
             recorded: false,
+            record_end: None,
         }
     }
 }

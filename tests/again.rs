@@ -278,3 +278,50 @@ fn no_lap_is_driven_or_dropped_while_the_robot_has_to_find_its_place() {
         assert!(told.ends_with("the robot has to find its place first"), "{told}");
     }
 }
+
+/// One motion from one pause to the next.
+fn drive_a_motion(run: &mut SimulatedRun<Sink>) {
+    run.intent(Intent::StepCommand);
+    for _ in 0..10_000 {
+        if !run.is_under_way() {
+            break;
+        }
+        run.advance();
+    }
+    let session = run.session();
+    assert!(session.run_state() == RunState::Paused && !session.mission().is_moving());
+}
+
+/// What the footer offers is taken, and it is offered as long as it would be.
+#[test]
+fn laps_are_offered_until_a_line_is_driven_and_on_a_lap_more() {
+    let world = world();
+    let settings = Settings { laps: 1, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::None);
+    let footer = |run: &SimulatedRun<Sink>, cols: u16| {
+        let model = Model::new(cols, 40, Keymap::default());
+        let (symbols, _) = planes(&model, &run.snapshot());
+        symbols.lines().last().expect("a footer").to_owned()
+    };
+    assert!(!footer(&run, 160).contains("L B lap"), "no lap has closed");
+    for phase in ["boundary", "shape", "plan"] {
+        step(&mut run);
+        assert!(footer(&run, 160).contains("L B lap"), "{phase}: {}", footer(&run, 160));
+    }
+    // With a plan to look at, α comes first where there is no room for both.
+    assert!(footer(&run, 80).contains("[ ] α"), "{}", footer(&run, 80));
+    run.intent(Intent::LapAgain);
+    drive_a_motion(&mut run);
+    assert!(footer(&run, 160).contains("L B lap"), "{}", footer(&run, 160));
+    let mut dropped = run.session().clone();
+    dropped.intent(Intent::LapAnew, &mut Vec::new());
+    assert!(!dropped.mission().map().closed, "what is offered is taken");
+    (0..3).for_each(|_| step(&mut run));
+    assert!(run.session().mission().map().plan.is_some());
+    for _ in 0..20 {
+        if run.session().mission().plan_is_open() {
+            drive_a_motion(&mut run);
+        }
+    }
+    assert!(!footer(&run, 160).contains("lap"), "{}", footer(&run, 160));
+}

@@ -2,7 +2,7 @@
 //! After a wanted change: `INSTA_UPDATE=always cargo test --test frames`, and look at the difference.
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
-use periplus::console::action::Action;
+use periplus::console::action::{ACTIONS, Action};
 use periplus::console::key::Key;
 use periplus::console::model::{Model, Overlay};
 use periplus::console::update::{Effect, perform, press};
@@ -244,6 +244,58 @@ fn a_replay_offers_nothing_that_it_does_not_do() {
         let hint = model.hint.take().expect("a word on why nothing happens");
         assert!(hint.text.contains("not changed"), "{}", hint.text);
     }
+}
+
+/// The pages of the help, one under the other.
+fn help(model: &mut Model, snapshot: &Snapshot) -> String {
+    let mut pages = String::new();
+    for scroll in (0..200).step_by(20) {
+        model.overlay = Overlay::Help(scroll);
+        pages += &frame::planes(model, snapshot).0;
+    }
+    model.overlay = Overlay::None;
+    pages
+}
+
+#[test]
+fn the_help_lists_what_works_here_and_says_of_the_rest_why_not() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    phase(&mut run);
+    let mut model = Model::new(120, 40, Keymap::default());
+    let lists = |text: &str, word: &str| {
+        text.lines().any(|line| line.split_whitespace().nth(1) == Some(word))
+    };
+    let live = help(&mut model, &run.snapshot());
+    for word in ["lap-again", "alpha-up", "finish", "clear", "faster", "run", "quit"] {
+        assert!(lists(&live, word), "{word}:\n{live}");
+    }
+    assert!(live.contains("export=DIR") && !live.contains("at=SECONDS"), "{live}");
+    assert!(!live.contains("do nothing here"), "{live}");
+
+    let snapshot = Snapshot { recorded: true, alpha_is_open: false, ..run.snapshot() };
+    let replay = help(&mut model, &snapshot);
+    for (action, word) in ACTIONS.iter().map(|info| (info.action, info.name)) {
+        assert_eq!(lists(&replay, word), !action.changes_the_run(), "{word}:\n{replay}");
+    }
+    for words in
+        ["c L B [ ] S X do nothing here: a replay", "play, or pause", "at=SECONDS", "speed=N"]
+    {
+        assert!(replay.contains(words), "{words}:\n{replay}");
+    }
+    for words in
+        ["alpha=M", "tape=", "placed=", "export=DIR", "robot moves", "simulated time slower"]
+    {
+        assert!(!replay.contains(words), "{words}:\n{replay}");
+    }
+
+    // A real robot's time is not ours, and its map is written at the end.
+    model.speed = None;
+    let robot = help(&mut model, &run.snapshot());
+    assert!(robot.contains("< > do nothing here: a real robot has one speed"), "{robot}");
+    for word in ["slower", "faster"] {
+        assert!(!lists(&robot, word), "{word}:\n{robot}");
+    }
+    assert!(robot.contains("alpha=M") && !robot.contains("export=DIR"), "{robot}");
 }
 
 #[test]

@@ -116,6 +116,8 @@ pub struct ActionInfo {
     pub name: &'static str,
     /// What it does, in one line.
     pub help: &'static str,
+    /// The same in a replay, where that is something else; else empty.
+    pub replay: &'static str,
     /// Its heading in the help.
     pub group: Group,
     /// What the footer calls it; neighbours with the same word share one entry. Empty: not there.
@@ -124,18 +126,23 @@ pub struct ActionInfo {
 
 /// Every action, in the order of help and footer.
 pub const ACTIONS: &[ActionInfo] = &[
-    row(Action::Stop, "stop", "stand still at once, and stay so", Group::Robot, "stop"),
+    row(Action::Stop, "stop", "stand still at once, and stay so", Group::Robot, "stop")
+        .in_a_replay("pause"),
     row(Action::ClearStop, "clear", "allow motion again after a stop", Group::Robot, "clear"),
-    row(Action::RunPause, "run", "run, or pause after this command", Group::Robot, "run/pause"),
-    row(Action::StepCommand, "step-command", "one command, then wait", Group::Robot, "command"),
-    row(Action::StepEvent, "step-event", "to the next event, then wait", Group::Robot, "event"),
+    row(Action::RunPause, "run", "run, or pause after this command", Group::Robot, "run/pause")
+        .in_a_replay("play, or pause"),
+    row(Action::StepCommand, "step-command", "one command, then wait", Group::Robot, "command")
+        .in_a_replay("to the next command"),
+    row(Action::StepEvent, "step-event", "to the next event, then wait", Group::Robot, "event")
+        .in_a_replay("to the next event"),
     row(
         Action::StepPhase,
         "step-phase",
         "to the end of the phase, then wait",
         Group::Robot,
         "phase",
-    ),
+    )
+    .in_a_replay("to the end of the phase"),
     row(Action::LapAgain, "lap-again", "one lap more, averaged in", Group::Run, "lap"),
     row(Action::LapAnew, "lap-anew", "drop the lap, look for the boundary anew", Group::Run, "lap"),
     row(
@@ -152,8 +159,10 @@ pub const ACTIONS: &[ActionInfo] = &[
         Group::Run,
         "α",
     ),
-    row(Action::SlowDown, "slower", "simulated time slower", Group::Run, "speed"),
-    row(Action::SpeedUp, "faster", "simulated time faster", Group::Run, "speed"),
+    row(Action::SlowDown, "slower", "simulated time slower", Group::Run, "speed")
+        .in_a_replay("play slower"),
+    row(Action::SpeedUp, "faster", "simulated time faster", Group::Run, "speed")
+        .in_a_replay("play faster"),
     row(Action::Square, "square", "nearly right angles made right, or left", Group::Run, "square"),
     row(Action::Finish, "finish", "end the run here, keep the map", Group::Run, ""),
     row(Action::ZoomIn, "zoom-in", "closer", Group::Map, "zoom"),
@@ -192,10 +201,12 @@ pub const ACTIONS: &[ActionInfo] = &[
         "stop the robot and go back to the shell; fg goes on",
         Group::Screen,
         "",
-    ),
+    )
+    .in_a_replay("pause and go back to the shell; fg goes on"),
     row(Action::CommandLine, "command-line", "type a command", Group::Screen, "line"),
     row(Action::Help, "help", "this help", Group::Screen, "help"),
-    row(Action::Quit, "quit", "leave; asks only while the robot moves", Group::Screen, "quit"),
+    row(Action::Quit, "quit", "leave; asks only while the robot moves", Group::Screen, "quit")
+        .in_a_replay("leave"),
 ];
 
 const fn row(
@@ -205,7 +216,13 @@ const fn row(
     group: Group,
     footer: &'static str,
 ) -> ActionInfo {
-    ActionInfo { action, name, help, group, footer }
+    ActionInfo { action, name, help, replay: "", group, footer }
+}
+
+impl ActionInfo {
+    const fn in_a_replay(self, replay: &'static str) -> Self {
+        Self { replay, ..self }
+    }
 }
 
 impl Action {

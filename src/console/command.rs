@@ -18,9 +18,9 @@ pub const COMMANDS: &[(&str, &str, &str)] = &[
     ("alpha", "M", "set α, metres (0.05 to 2)"),
     ("tape", "WALL=M", "stretch the map to a wall that was taped: W3=4.02; anywhere: X,Y:X,Y=M"),
     ("placed", "X,Y,DEG", "the robot was carried, about there; alone: nobody knows where"),
-    ("speed", "N", "set the speed of simulated time, or max"),
+    ("speed", "N", "so many times as fast as life, or max"),
     ("export", "DIR", "write the map so far"),
-    ("at", "SECONDS", "in a replay: go to that instant, seconds since the run began"),
+    ("at", "SECONDS", "go to that instant, seconds since the run began, forth or back"),
 ];
 
 /// What commands are for: not every one is of use with each.
@@ -35,15 +35,35 @@ pub enum Steered {
 }
 
 impl Steered {
+    /// Whether there is anything for `action` to do here, however the run stands.
+    #[must_use]
+    pub fn offers(self, action: Action) -> bool {
+        match (self, action) {
+            (Self::Robot, Action::SlowDown | Action::SpeedUp) => false,
+            (Self::Replay, action) => !action.changes_the_run(),
+            (Self::Simulator | Self::Robot, _) => true,
+        }
+    }
+
+    /// Why there is not, in words; nothing is refused in the simulator.
+    #[must_use]
+    pub fn refusal(self) -> &'static str {
+        match self {
+            Self::Simulator => "",
+            Self::Robot => "a real robot has one speed",
+            Self::Replay => "a replay: what happened is looked at, not changed",
+        }
+    }
+
     /// Whether the command called `name` does anything here.
-    fn takes(self, name: &str) -> bool {
+    #[must_use]
+    pub fn takes(self, name: &str) -> bool {
         match (name, self) {
             ("at", steered) => steered == Self::Replay,
             ("export", steered) => steered == Self::Simulator,
             ("speed", steered) => steered != Self::Robot,
             ("alpha" | "tape" | "placed", steered) => steered != Self::Replay,
-            (name, Self::Replay) => !Action::named(name).is_some_and(Action::changes_the_run),
-            _ => true,
+            (name, steered) => Action::named(name).is_none_or(|action| steered.offers(action)),
         }
     }
 }
@@ -313,6 +333,7 @@ mod tests {
             ("export", true, false, false),
             ("at", false, false, true),
             ("speed", true, false, true),
+            ("faster", true, false, true),
             ("clear", true, true, false),
             ("fit", true, true, true),
         ] {

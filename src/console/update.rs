@@ -4,6 +4,7 @@
 mod line;
 
 use super::action::Action;
+use super::command::Steered;
 use super::driver::Speed;
 use super::key::Key;
 use super::layout::Regions;
@@ -94,7 +95,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             }
         }
         Overlay::Help(scroll) => {
-            let end = super::view::help::last_scroll(model);
+            let end = super::view::help::last_scroll(model, snapshot);
             model.overlay = paged(key, action, scroll, end).map_or(Overlay::None, Overlay::Help);
             Vec::new()
         }
@@ -157,8 +158,8 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::AlphaUp => {
             return set_alpha(model, snapshot, alpha_now(model, snapshot) + ALPHA_STEP);
         }
-        Action::SlowDown => return set_speed(model, Speed::slower),
-        Action::SpeedUp => return set_speed(model, Speed::faster),
+        Action::SlowDown => return set_speed(model, snapshot, Speed::slower),
+        Action::SpeedUp => return set_speed(model, snapshot, Speed::faster),
         Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
         Action::LapAnew => return vec![Effect::Intent(Intent::LapAnew)],
         Action::Square if snapshot.run.is_over() && snapshot.map.shape.is_none() => {
@@ -213,7 +214,7 @@ fn refuse_now(model: &mut Model, snapshot: &Snapshot, text: String) -> Vec<Effec
 }
 
 fn only_looked_at(model: &mut Model) -> Vec<Effect> {
-    refuse(model, "a replay: what happened is looked at, not changed".to_owned())
+    refuse(model, Steered::Replay.refusal().to_owned())
 }
 
 fn not_answered(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
@@ -270,6 +271,9 @@ fn clear_stop(model: &mut Model, snapshot: &Snapshot) -> Vec<Effect> {
 }
 
 fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
+    if let Some(how) = &snapshot.record_end {
+        return refuse(model, how.clone());
+    }
     match snapshot.run {
         RunState::Stopped => {
             let clear = model.keymap.way(Action::ClearStop);
@@ -328,13 +332,18 @@ fn alpha_means(alpha: f64) -> &'static str {
     }
 }
 
-fn set_speed(model: &mut Model, change: impl Fn(Speed) -> Speed) -> Vec<Effect> {
+fn set_speed(
+    model: &mut Model,
+    snapshot: &Snapshot,
+    change: impl Fn(Speed) -> Speed,
+) -> Vec<Effect> {
+    let what = if snapshot.recorded { "playback" } else { "simulated time" };
     match model.speed.map(change) {
         Some(speed) => {
             model.speed = Some(speed);
-            tell(model, format!("simulated time {speed}"))
+            tell(model, format!("{what} {speed}"))
         }
-        None => refuse(model, "a real robot has one speed".to_owned()),
+        None => refuse(model, Steered::Robot.refusal().to_owned()),
     }
 }
 

@@ -57,7 +57,7 @@ pub fn draw(model: &Model, snapshot: &Snapshot, theme: &Theme, area: Rect, buf: 
     let footer = Rect { y: top, height: taken + regions.footer.height, ..regions.footer };
     footer::draw(model, snapshot, theme, footer, buf);
     match model.overlay {
-        Overlay::Help(scroll) => help::draw(model, scroll, theme, area, buf),
+        Overlay::Help(scroll) => help::draw(model, snapshot, scroll, theme, area, buf),
         Overlay::List(scroll) => list::draw(model, snapshot, scroll, theme, area, buf),
         _ => {}
     }

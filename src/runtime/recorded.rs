@@ -4,7 +4,7 @@
 use super::Ending;
 use crate::console::driver::Driver;
 use crate::export::{Outcome, RunRecord};
-use crate::journal::Recording;
+use crate::journal::{Recording, Torn};
 use crate::mapping::map::RoomMap;
 use crate::robot::Intent;
 use crate::session::replay::{Difference, Landmark, Replay};
@@ -121,6 +121,31 @@ impl RecordedDriver {
     }
 }
 
+/// Why the playback goes no further, and what to do; none while it does, and where the run was over.
+fn record_end(replay: &Replay) -> Option<String> {
+    if !replay.is_over() || replay.is_complete() {
+        return None;
+    }
+    let ends = "the record ends here, and the run was not over";
+    Some(match replay.torn() {
+        _ if replay.difference().is_some() => {
+            "the record ends here, and the playback has gone another way than the run".to_owned()
+        }
+        Some(Torn { line, damaged: true, .. }) => {
+            format!("the record is damaged from here on, from line {line}: no more is played back")
+        }
+        _ if replay.is_of_a_robot() => {
+            format!("{ends}: `periplus run --port DEVICE --resume DIR` goes on with it")
+        }
+        _ => {
+            let seed = replay.session().mission().settings().seed;
+            format!(
+                "{ends}: simulated, it is made again by `periplus run --world FILE --seed {seed} --out DIR`"
+            )
+        }
+    })
+}
+
 impl Driver for RecordedDriver {
     fn snapshot(&self) -> Snapshot {
         let mut snapshot = self.replay.session().snapshot();
@@ -129,6 +154,8 @@ impl Driver for RecordedDriver {
         snapshot.source = format!("replay {at:.0}/{all:.0} s of {}{sound}", snapshot.source);
         // What happened is not changed any more.
         (snapshot.recorded, snapshot.alpha_is_open) = (true, false);
+        snapshot.laps_are_open = false;
+        snapshot.record_end = record_end(&self.replay);
         if !self.playing && !self.replay.is_complete() {
             (snapshot.run, snapshot.latched) = (RunState::Paused, false);
         }
@@ -337,6 +364,54 @@ mod tests {
         driver.intent(Intent::Stop);
         driver.advance(30.0);
         assert!(driver.snapshot().time < before + 31.0);
+    }
+
+    #[test]
+    fn at_the_end_of_a_record_that_tells_of_none_the_playback_says_so() {
+        use crate::console::action::Action;
+        use crate::console::frame::planes;
+        use crate::console::update::perform;
+        use crate::console::{Keymap, model::Model};
+        let whole = record();
+        let half = || read(&whole[..whole.len() / 2]);
+        let mut real = half();
+        real.header.robot = Some(crate::journal::RobotMark { name: "tin".to_owned(), boot: 3 });
+        let mut damaged = half();
+        damaged.torn = Some(Torn { line: 77, lines: 3, bytes: 90, damaged: true });
+        for (recording, says) in [
+            (half(), "made again by `periplus run --world FILE --seed 4"),
+            (real, "`periplus run --port DEVICE --resume DIR` goes on with it"),
+            (damaged, "damaged from here on, from line 77"),
+        ] {
+            let mut driver = RecordedDriver::new(Replay::new(recording));
+            let mut model = Model::new(200, 40, Keymap::default());
+            let play = perform(&mut model, &driver.snapshot(), Action::RunPause);
+            assert_eq!((play.len(), &model.hint), (1, &None), "there is something to play");
+            driver.intent(Intent::Run);
+            (0..4000).for_each(|_| driver.advance(1.0));
+            let snapshot = driver.snapshot();
+            for action in
+                [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase]
+            {
+                assert!(perform(&mut model, &snapshot, action).is_empty(), "{action:?}");
+                let hint = model.hint.take().expect("a word on why nothing happens");
+                assert!(hint.refusal && hint.text.contains(says), "{}", hint.text);
+            }
+            let (symbols, _) = planes(&model, &snapshot);
+            assert!(
+                symbols.contains("RECORD ENDS") && !symbols.contains("play/pause"),
+                "{symbols}"
+            );
+            driver.go_to(5.0).expect("an instant");
+            assert_eq!(driver.snapshot().record_end, None);
+            assert!(planes(&model, &driver.snapshot()).0.contains("play/pause"));
+        }
+        let mut driver = RecordedDriver::new(Replay::new(read(&whole)));
+        driver.go_to(driver.replay().duration()).expect("the end");
+        assert_eq!(
+            (driver.snapshot().run, driver.snapshot().record_end),
+            (RunState::Complete, None)
+        );
     }
 
     #[test]

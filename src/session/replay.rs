@@ -3,7 +3,7 @@
 //! same state; where they do not, the replay says so and is no longer to be believed.
 
 use super::{Outgoing, RunState, Session};
-use crate::journal::{Entry, Header, PhaseEnd, Record, Recording, state_hash};
+use crate::journal::{Entry, Header, PhaseEnd, Record, Recording, Torn, state_hash};
 use crate::mapping::event::Severity;
 use crate::mapping::map::Phase;
 use crate::robot::Command;
@@ -57,13 +57,16 @@ pub struct Replay {
     outgoing: Vec<Outgoing>,
     ends: Vec<PhaseEnd>,
     difference: Option<Difference>,
+    /// Whether a real robot made it.
+    of_a_robot: bool,
+    torn: Option<Torn>,
 }
 
 impl Replay {
     /// At the beginning of `recording`.
     #[must_use]
     pub fn new(recording: Recording) -> Self {
-        let Header { settings, source, until, .. } = recording.header;
+        let Header { settings, source, until, robot, .. } = recording.header;
         let session = Session::new(settings, source, until.unwrap_or(Phase::Objects));
         Self {
             began_us: began_us(session.clone(), &recording.records),
@@ -74,6 +77,8 @@ impl Replay {
             outgoing: Vec::new(),
             ends: Vec::new(),
             difference: None,
+            of_a_robot: robot.is_some(),
+            torn: recording.torn,
         }
     }
 
@@ -100,6 +105,18 @@ impl Replay {
     #[must_use]
     pub fn ends(&self) -> &[PhaseEnd] {
         &self.ends
+    }
+
+    /// Whether it is the record of a real robot, with which the run may go on.
+    #[must_use]
+    pub fn is_of_a_robot(&self) -> bool {
+        self.of_a_robot
+    }
+
+    /// What was cut off the end of the record.
+    #[must_use]
+    pub fn torn(&self) -> Option<Torn> {
+        self.torn
     }
 
     /// Whether the record is over.

@@ -126,6 +126,9 @@ pub struct Snapshot {
     pub done: Option<Ended>,
     /// Whether α may still be changed: no line of the plan is driven yet.
     pub alpha_is_open: bool,
+    /// Whether the laps so far may be dropped, and another one driven: one has closed, no line of the plan is
+    /// driven, and the robot stands where it knows.
+    pub laps_are_open: bool,
     /// The map so far. While a lap is under way `map.contacts` holds its raw contacts.
     pub map: RoomMap,
     /// With the lap closed, what was met since that is no part of the map yet: of an object that is being
@@ -144,6 +147,9 @@ pub struct Snapshot {
     pub source: String,
     /// Played back from a record: what happened is looked at and not changed.
     pub recorded: bool,
+    /// In words why the playback goes no further, and what to do; none before it stands at the end of the record,
+    /// and where the run was over there.
+    pub record_end: Option<String>,
 }
 
 impl Snapshot {
@@ -160,6 +166,7 @@ impl Snapshot {
             command: None,
             done: None,
             alpha_is_open: true,
+            laps_are_open: false,
             map: RoomMap::default(),
             felt: Vec::new(),
             settings,
@@ -168,6 +175,7 @@ impl Snapshot {
             bumps: 0,
             source: source.into(),
             recorded: false,
+            record_end: None,
         }
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> 
             refuse(model, format!("{:.2},{:.2} lies outside the room", at.x, at.y))
         }
         Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
-        Command::Speed(speed) => set_speed(model, |_| speed),
+        Command::Speed(speed) => set_speed(model, snapshot, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
         Command::At(seconds) => vec![Effect::GoTo(seconds)],
     }

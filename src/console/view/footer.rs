@@ -10,7 +10,6 @@ use crate::console::prompt::Prompt;
 use crate::console::sanitize::clean;
 use crate::console::theme::{Role, Theme};
 use crate::console::update::may_move;
-use crate::mapping::map::Phase;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -135,6 +134,15 @@ fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
             _ => 2,
         });
     }
+    if snapshot.map.plan.is_some() {
+        // Where one of the two has room only, the plan is what the operator looks at.
+        infos.sort_by_key(|info| match info.action {
+            _ if info.group == Group::Robot => 0,
+            Action::AlphaDown | Action::AlphaUp => 1,
+            Action::LapAgain | Action::LapAnew => 2,
+            _ => 3,
+        });
+    }
     for info in infos {
         let key = model.keymap.label(info.action);
         let word = word(info, snapshot);
@@ -155,6 +163,7 @@ fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
     match info.action {
         Action::CommandLine if snapshot.recorded => "at=SECONDS",
         Action::CommandLine if snapshot.run.is_over() => "export=DIR",
+        Action::RunPause if snapshot.recorded => "play/pause",
         _ => info.footer,
     }
 }
@@ -162,20 +171,18 @@ fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
 fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     let stopped = snapshot.latched;
     let over = snapshot.run.is_over();
-    let useless = snapshot.recorded && info.action.changes_the_run()
+    let useless = !model.steered(snapshot).offers(info.action)
         || model.is_alone(snapshot) && info.action.is_told_to_the_run();
     !(info.footer.is_empty() || useless)
         && match info.action {
             Action::Stop => !stopped && !over && !snapshot.recorded,
             Action::ClearStop => stopped,
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
-                !stopped && !over
+                !stopped && !over && snapshot.record_end.is_none()
             }
             // A lap has closed, and nothing was made of it yet that driving would spoil.
             Action::LapAgain | Action::LapAnew => {
-                snapshot.run == RunState::Paused
-                    && super::map::placed(snapshot).is_some()
-                    && matches!(snapshot.phase, Phase::Shape | Phase::Plan)
+                snapshot.run == RunState::Paused && snapshot.laps_are_open
             }
             Action::AlphaDown | Action::AlphaUp => snapshot.alpha_is_open,
             Action::SlowDown | Action::SpeedUp => !over && model.speed.is_some(),

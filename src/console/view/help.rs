@@ -1,11 +1,13 @@
-//! The help: every action with its keys, from the one table; what the map shows, and the words beside it.
+//! The help: every action that does anything here with its keys, from the one table; what the map shows, and the
+//! words beside it.
 
 use super::pen::{Pen, Piece};
 use super::words;
-use crate::console::action::{ACTIONS, Group};
-use crate::console::command::COMMANDS;
+use crate::console::action::{ACTIONS, ActionInfo, Group};
+use crate::console::command::{COMMANDS, Steered};
 use crate::console::model::Model;
 use crate::console::theme::{Role, Theme};
+use crate::session::Snapshot;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -68,9 +70,11 @@ const FIGURES: [(&str, &str); 22] = [
 ];
 
 /// The lines of the help on a screen of so many columns.
-fn lines(model: &Model) -> Vec<Line> {
+fn lines(model: &Model, snapshot: &Snapshot) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     let cols = model.size.0;
+    let steered = model.steered(snapshot);
+    let replay = steered == Steered::Replay;
     let entry = |lines: &mut Vec<Line>, head: Line, at: u16, text: &str| {
         let mut head = head;
         for line in words::wrap(text, cols.saturating_sub(at + 3)) {
@@ -82,19 +86,29 @@ fn lines(model: &Model) -> Vec<Line> {
         }
     };
     for group in Group::ALL {
-        lines.push(vec![(Role::Title, group.title().to_owned())]);
-        for info in ACTIONS.iter().filter(|info| info.group == group) {
+        let title = if replay && group == Group::Robot { "Playback" } else { group.title() };
+        lines.push(vec![(Role::Title, title.to_owned())]);
+        let here = |info: &&ActionInfo| info.group == group && steered.offers(info.action);
+        for info in ACTIONS.iter().filter(here) {
             let keys = model.keymap.label(info.action);
             let head = vec![
                 (Role::Key, format!("  {keys:<12}")),
                 (Role::Value, format!("{:<14}", info.name)),
             ];
-            entry(&mut lines, head, 28, info.help);
+            let help = if replay && !info.replay.is_empty() { info.replay } else { info.help };
+            entry(&mut lines, head, 28, help);
         }
         lines.push(Vec::new());
     }
+    let idle = ACTIONS.iter().filter(|info| !steered.offers(info.action));
+    let idle: Vec<String> = idle.map(|info| model.keymap.label(info.action)).collect();
+    if !idle.is_empty() {
+        let text = format!("{} do nothing here: {}", idle.join(" "), steered.refusal());
+        entry(&mut lines, vec![(Role::Text, "  ".to_owned())], 2, &text);
+        lines.push(Vec::new());
+    }
     lines.push(vec![(Role::Title, "Command line".to_owned())]);
-    for (name, argument, help) in COMMANDS {
+    for (name, argument, help) in COMMANDS.iter().filter(|(name, ..)| steered.takes(name)) {
         let head = vec![(Role::Key, format!("  {:<20}", format!("{name}={argument}")))];
         entry(&mut lines, head, 22, help);
     }
@@ -115,8 +129,8 @@ fn lines(model: &Model) -> Vec<Line> {
 
 /// How far the help can be scrolled.
 #[must_use]
-pub fn last_scroll(model: &Model) -> u16 {
-    last_scroll_of(lines(model).len(), model.size.1)
+pub fn last_scroll(model: &Model, snapshot: &Snapshot) -> u16 {
+    last_scroll_of(lines(model, snapshot).len(), model.size.1)
 }
 
 /// How far a page of so many lines can be scrolled on a screen of so many rows.
@@ -125,8 +139,15 @@ pub(super) fn last_scroll_of(lines: usize, rows: u16) -> u16 {
     u16::try_from(lines.saturating_sub(room)).unwrap_or(u16::MAX)
 }
 
-pub(super) fn draw(model: &Model, scroll: u16, theme: &Theme, area: Rect, buf: &mut Buffer) {
-    draw_page("help", &lines(model), scroll, theme, area, buf);
+pub(super) fn draw(
+    model: &Model,
+    snapshot: &Snapshot,
+    scroll: u16,
+    theme: &Theme,
+    area: Rect,
+    buf: &mut Buffer,
+) {
+    draw_page("help", &lines(model, snapshot), scroll, theme, area, buf);
 }
 
 /// Draws `lines` over the whole screen, from the one so far down on.
@@ -165,7 +186,6 @@ mod tests {
     use crate::console::update::press;
     use crate::geometry::Pose;
     use crate::mapping::settings::Settings;
-    use crate::session::Snapshot;
 
     /// Its lines are fewer on a wide screen, and more of them are in view on a high one.
     #[test]

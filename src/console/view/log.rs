@@ -106,6 +106,7 @@ fn how_it_begins(model: &Model, snapshot: &Snapshot) -> String {
     let (run, phase) = (way(Action::RunPause), way(Action::StepPhase));
     match snapshot.run {
         _ if model.is_alone(snapshot) => "the robot has not answered yet".to_owned(),
+        _ if snapshot.record_end.is_some() => "nothing happened before the record ends".to_owned(),
         RunState::Paused if snapshot.recorded => {
             format!("nothing has happened yet: {run} plays, {phase} goes to the next phase")
         }

@@ -21,6 +21,7 @@ pub(super) fn hundredths(value: f64) -> String {
 /// The run state with its symbol, and what it looks like.
 pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
     let (text, role) = match snapshot.run {
+        RunState::Paused if snapshot.record_end.is_some() => ("‖ RECORD ENDS", Role::Paused),
         RunState::Paused => ("‖ PAUSED", Role::Paused),
         RunState::Running => ("▶ RUNNING", Role::Running),
         RunState::Stepping(Step::Command) => ("▷ ONE COMMAND", Role::Running),

@@ -18,6 +18,15 @@ impl Mission {
         self.map.closed && at_rest && self.outcome == Outcome::Going && self.lost.is_none()
     }
 
+    /// Whether the laps so far can be dropped, and so another one be driven as well: one has closed and no line of
+    /// the plan is driven, or the robot has paused on a lap more.
+    #[must_use]
+    pub fn laps_are_open(&self) -> bool {
+        let going = self.outcome == Outcome::Going && self.lost.is_none();
+        let again = matches!(self.task, Task::Retrace(_)) && going && !self.is_moving();
+        again || self.has_fresh_lap()
+    }
+
     /// One lap more: at once when one has closed, else as soon as it has. False when lines of the plan
     /// are driven already, or nothing is.
     pub fn lap_again(&mut self, out: &mut Vec<Output>) -> bool {
@@ -57,9 +66,7 @@ impl Mission {
     /// the robot stands. False when there is none, or lines of the plan are driven already; on a further lap, while
     /// the robot moves.
     pub fn lap_anew(&mut self, out: &mut Vec<Output>) -> bool {
-        let going = self.outcome == Outcome::Going && self.lost.is_none();
-        let again = matches!(self.task, Task::Retrace(_)) && going && !self.is_moving();
-        if !(again || self.has_fresh_lap()) {
+        if !self.laps_are_open() {
             return false;
         }
         self.phase = Phase::Boundary;

@@ -106,6 +106,10 @@ pub struct PhaseProgress {
 }
 
 /// One instant of a run.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each answers a question of its own, that the screen asks"
+)]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// Robot time since the first report of the run, seconds.

@@ -275,7 +275,8 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         return refuse(model, how.clone());
     }
     match snapshot.run {
-        RunState::Stopped => {
+        // A stop, or a robot that asks where it is, was for the operator of then: the playback goes over it.
+        RunState::Stopped if !snapshot.recorded => {
             let clear = model.keymap.way(Action::ClearStop);
             return refuse_now(model, snapshot, format!("stopped: {clear} clears the stop first"));
         }
@@ -284,7 +285,7 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
             return refuse(model, "the run was ended by the operator".to_owned());
         }
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
-        RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
+        RunState::Stopped | RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }
     let intent = match action {
         Action::StepCommand => Intent::StepCommand,
@@ -293,7 +294,7 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         _ if snapshot.run == RunState::Paused => Intent::Run,
         _ => Intent::Pause,
     };
-    if is_nowhere(snapshot) && intent != Intent::Pause {
+    if is_nowhere(snapshot) && !snapshot.recorded && intent != Intent::Pause {
         return refuse_now(model, snapshot, say_where(model, snapshot));
     }
     // A robot that is not there is not told to drive; that it is to pause can do no harm.

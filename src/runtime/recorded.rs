@@ -169,7 +169,8 @@ impl Driver for RecordedDriver {
     fn intent(&mut self, intent: Intent) {
         self.version += 1;
         match intent {
-            Intent::Run => self.playing = true,
+            // While it plays, the run may be paused there: the key that pauses then asks for a run.
+            Intent::Run => self.playing = !self.playing,
             Intent::Pause | Intent::Stop | Intent::Finish => self.playing = false,
             Intent::StepCommand => self.step(Landmark::Command),
             Intent::StepEvent => self.step(Landmark::Event),
@@ -412,6 +413,17 @@ mod tests {
             (driver.snapshot().run, driver.snapshot().record_end),
             (RunState::Complete, None)
         );
+    }
+
+    /// Where the operator of the run had paused, the console asks for a run at the key that pauses as well.
+    #[test]
+    fn the_key_that_plays_pauses_where_the_run_was_paused_too() {
+        let mut driver = RecordedDriver::new(Replay::new(read(&record_in_steps())));
+        driver.intent(Intent::Run);
+        driver.advance(1.0);
+        assert!(!driver.is_at_rest());
+        driver.intent(Intent::Run);
+        assert!(driver.is_at_rest());
     }
 
     #[test]

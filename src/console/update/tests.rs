@@ -109,6 +109,25 @@ fn in_a_replay_there_is_no_robot_to_ask_about() {
     assert_eq!(press(&mut model, &snapshot, space), [Effect::Intent(Intent::Stop)]);
 }
 
+/// What was to be said to the robot then is nothing to be said to its record: it plays on, and pauses.
+#[test]
+fn a_replay_plays_on_over_a_stop_and_over_a_robot_that_asks_where_it_is() {
+    let (mut model, mut snapshot) = waiting();
+    (snapshot.recorded, snapshot.alpha_is_open) = (true, false);
+    snapshot.robot = Known::Known(RobotView { pose: None, needs_place: true, ..at_rest() });
+    for action in [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase] {
+        assert_eq!(perform(&mut model, &snapshot, action).len(), 1, "{action:?}: {:?}", model.hint);
+    }
+    // Under way, it shows the run as it was.
+    snapshot.robot = Known::Known(at_rest());
+    (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+    let pause = perform(&mut model, &snapshot, Action::RunPause);
+    assert_eq!(pause, [Effect::Intent(Intent::Pause)], "{:?}", model.hint);
+    let (symbols, _) = crate::console::frame::planes(&model, &snapshot);
+    assert!(symbols.contains("S T O P P E D") && symbols.contains("r play/pause"), "{symbols}");
+    assert!(!symbols.contains("clears the stop"), "{symbols}");
+}
+
 #[test]
 fn a_wall_is_taped_by_its_number_on_the_list() {
     use crate::geometry::Ring;

@@ -33,7 +33,11 @@ pub(super) fn draw(
     match snapshot.run {
         RunState::Stopped => {
             let clear = model.keymap.way(Action::ClearStop);
-            let how = format!("{clear} clears the stop; phase and map are kept");
+            let how = if snapshot.recorded {
+                "the robot of the run was stopped here".to_owned()
+            } else {
+                format!("{clear} clears the stop; phase and map are kept")
+            };
             let lines = ["■ ■ ■   S T O P P E D   ■ ■ ■".to_owned(), how];
             draw_box(&mut pen, map, below, &lines, Role::Stopped);
         }

@@ -12,8 +12,8 @@ use crate::geometry::{Point, Vector, angle, cross};
 const OUTER_REACH: f64 = 0.25;
 /// Farthest an inner corner may lie beyond what the body's roundness explains, metres.
 const INNER_SLACK: f64 = 0.25;
-/// Farthest a line and an arc that touch may do so beyond the contacts next to it, metres: along a wall that
-/// goes on the robot looks every half metre.
+/// Farthest a line and an arc that touch may do so beyond the contacts next to it, or a wall may meet another
+/// where that begins, metres: along a wall that goes on the robot looks every half metre.
 const SMOOTH_REACH: f64 = 0.65;
 /// A round run meets its neighbour in no sharper corner, radians of turn: a column beside a face would
 /// be drawn out through the gap between them to where it touches the line of that face.
@@ -145,7 +145,11 @@ impl Judge<'_> {
         };
         // A wall that leads to where its neighbour ends is believed to go that far.
         let fits = |run: &Run, beyond: f64, other: f64| {
-            let share = if turn > 0.0 && other < TO_THE_END { TO_A_WALL } else { OF_LENGTH };
+            let (share, limit) = if turn > 0.0 && other < TO_THE_END {
+                (TO_A_WALL, limit.max(SMOOTH_REACH))
+            } else {
+                (OF_LENGTH, limit)
+            };
             beyond < limit.min(self.trusted(run, share))
         };
         if !fits(a, beyond_a, beyond_b) || !fits(b, beyond_b, beyond_a) {

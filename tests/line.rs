@@ -75,6 +75,9 @@ enum End {
     /// The console's terminal is there and takes nothing more, as over a connection that stalls. Once the
     /// robot stands, the program gets a signal.
     TerminalStuck,
+    /// The console's operator says stop behind a thousand other keys, all at once, as a connection brings them that
+    /// had stalled; and leaves once the robot stands.
+    StopBehindKeys,
 }
 
 /// What the robot's side saw.
@@ -118,7 +121,7 @@ fn ended_by(end: End) -> Seen {
         let mut screen = [0_u8; 4096];
         let mut begun: Option<(f64, periplus::geometry::Point)> = None;
         let mut still: Option<f64> = None;
-        let mut asleep = matches!(end, End::Suspended | End::TerminalStuck);
+        let mut asleep = matches!(end, End::Suspended | End::TerminalStuck | End::StopBehindKeys);
         let mut woken: Option<f64> = None;
         let mut seen = Seen { stopped: f64::NAN, went: f64::NAN, status: None, ended: f64::NAN };
         for _ in 0..1500 {
@@ -164,6 +167,11 @@ fn ended_by(end: End) -> Seen {
                         let keys = terminal.as_mut().expect("a terminal");
                         keys.write_all(b"\x1a").expect("the terminal takes it");
                     }
+                    End::StopBehindKeys => {
+                        let keys = terminal.as_mut().expect("a terminal");
+                        let said = [b"hjkl".repeat(500), b" ".to_vec()].concat();
+                        keys.write_all(&said).expect("the terminal takes it");
+                    }
                     End::TerminalGone => terminal = None,
                     End::TerminalStuck => {}
                 }
@@ -182,11 +190,13 @@ fn ended_by(end: End) -> Seen {
             {
                 (seen.stopped, seen.went) = (still - from, (body.true_pose().position - at).norm());
                 asleep = false;
-                if end == End::TerminalStuck {
-                    kill(&child, "-TERM");
-                } else {
-                    kill(&child, "-CONT");
-                    woken = Some(watch.seconds());
+                match end {
+                    End::TerminalStuck => kill(&child, "-TERM"),
+                    End::StopBehindKeys => woken = Some(watch.seconds() - 1.0),
+                    _ => {
+                        kill(&child, "-CONT");
+                        woken = Some(watch.seconds());
+                    }
                 }
             }
             // It has taken the terminal on again.
@@ -256,6 +266,7 @@ fn name_of(end: End) -> String {
         End::Suspended => "line-suspended".to_owned(),
         End::TerminalGone => "line-gone".to_owned(),
         End::TerminalStuck => "line-stuck".to_owned(),
+        End::StopBehindKeys => "line-behind".to_owned(),
     }
 }
 
@@ -310,6 +321,15 @@ fn a_console_that_is_put_to_sleep_stops_the_robot_and_can_be_woken() {
         matches!(&record.entry, Entry::Telemetry(Telemetry::Done { reason: r, .. }) if *r == reason)
     });
     assert!(stopped, "the robot was not told to stop");
+}
+
+/// However much is said before it at once: a stop does not wait for the next key.
+#[test]
+fn a_stop_behind_a_thousand_keys_is_heard() {
+    let seen = ended_by(End::StopBehindKeys);
+    assert!(seen.stopped < 1.2, "still driving after {} s", seen.stopped);
+    assert!(seen.went < 0.21, "{} m", seen.went);
+    assert_eq!(seen.status, Some(0));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! command leaves: a plan that takes long, or a disk, does keep it, and the robot then stands by itself.
 
 mod syncing;
+mod waiting;
 
 use super::live::{Interrupted, LiveRun, Plan};
 use super::{Ending, Progress, Stopwatch};
@@ -22,11 +23,10 @@ use std::time::Duration;
 use syncing::Syncing;
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use waiting::Waiting;
 
 /// The control loop looks at the time this often.
 const TICK: Duration = Duration::from_millis(5);
-/// A write that makes no progress for this long means that the port is gone, seconds.
-const STUCK: f64 = 1.0;
 /// A bridge over which nothing came for this long is opened anew, seconds: longer than a board takes to start.
 const SILENT: f64 = 5.0;
 /// First and longest pause between attempts to open a port that went away, seconds.
@@ -43,6 +43,9 @@ enum Request {
     /// Fails, to see what becomes of the robot then.
     #[cfg(test)]
     Panic,
+    /// Is busy for so many seconds, as with a plan or a disk.
+    #[cfg(test)]
+    Busy(f64),
 }
 
 /// What the control thread shows.
@@ -325,6 +328,11 @@ impl Keeper {
             Some(Request::Leave) | None => true,
             #[cfg(test)]
             Some(Request::Panic) => panic!("asked to"),
+            #[cfg(test)]
+            Some(&Request::Busy(seconds)) => {
+                self.watch.skip(seconds);
+                false
+            }
         }
     }
 
@@ -361,11 +369,14 @@ impl Keeper {
         tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
         // As much as a port keeps while nobody reads it.
         let mut bytes = [0_u8; 4096];
-        let mut waiting: Vec<u8> = Vec::new();
-        let mut progress = self.now();
-        let mut heard = progress;
+        let mut heard = self.now();
+        let mut looked = heard;
+        let mut waiting = Waiting::new(heard);
         let mut leaving: Option<f64> = None;
         loop {
+            // How late it is, is asked only after the port was read, or had nothing to be read. What came while
+            // this program was busy is not known to be there as long as there is something else to do at once.
+            let mut was_read = false;
             tokio::select! {
                 biased;
                 request = self.asked.recv(), if leaving.is_none() => {
@@ -375,39 +386,33 @@ impl Keeper {
                         leaving = Some(now + FAREWELL);
                     }
                 }
-                written = to.0.write(&waiting), if !waiting.is_empty() => match written {
+                written = to.0.write(waiting.bytes()), if !waiting.bytes().is_empty() => match written {
                     Ok(0) | Err(_) => break,
-                    Ok(count) => {
-                        waiting.drain(..count);
-                        progress = self.now();
-                    }
+                    Ok(count) => waiting.took(count, self.now()),
                 },
                 read = from.read(&mut bytes) => match read {
                     Ok(0) | Err(_) => break,
                     Ok(count) => {
                         let now = self.now();
-                        heard = now;
+                        (heard, was_read) = (now, true);
                         self.run.receive(&bytes[..count], now);
                     }
                 },
                 _ = tick.tick() => {
-                    // Asked only where nothing was there to read: however long this program was busy.
-                    if self.address.is_bridge() && self.now() - heard > SILENT {
+                    was_read = true;
+                    // As of the look before, as all that is overdue: see `Host::tick`.
+                    let judged = std::mem::replace(&mut looked, self.now());
+                    if self.address.is_bridge() && judged - heard > SILENT {
                         break;
                     }
                 }
             }
             let now = self.now();
-            self.tick(now);
-            let fresh = self.run.take_output();
-            if fresh.first() == Some(&STOP) {
-                // Nothing that is still waiting may leave before a stop; a line cut short is dropped.
-                waiting.clear();
+            if was_read {
+                self.tick(now);
             }
-            waiting.extend(fresh);
-            if waiting.is_empty() {
-                progress = now;
-            } else if now - progress > STUCK {
+            waiting.add(&self.run.take_output(), now);
+            if waiting.is_stuck(now) {
                 break;
             }
             self.show();

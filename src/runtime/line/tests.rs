@@ -225,6 +225,53 @@ fn a_stop_does_not_wait_behind_what_the_port_has_not_taken() {
     });
 }
 
+/// What came while this program was busy, with a plan or a disk, is read before anybody calls the robot lost, and what
+/// is to be said is offered to the port before anybody calls it gone.
+#[test]
+fn a_keeper_that_was_busy_has_not_lost_its_robot() {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    runtime.expect("a runtime").block_on(async {
+        let record = std::env::temp_dir().join(format!("periplus-{}-busy", std::process::id()));
+        let journal = File::create(&record).expect("a record");
+        let _ = std::fs::remove_file(&record);
+        let (mut keeper, requests) = keeper(Some(journal), None);
+        let (ours, mut theirs) = tokio::io::duplex(4096);
+        let world =
+            World::from_toml(include_str!("../../../sims/rectangle.toml"), "rectangle", 0.1);
+        let mut body =
+            Body::new(&world.expect("a world"), &Chassis::default(), NoiseProfile::None, 1);
+        let mut device = Device::new(&Chassis::default(), "tin", 1, 1.0);
+        let robot = async {
+            let mut bytes = [0_u8; 512];
+            // No clock is waited for: after each word of the host a tenth of a second has passed.
+            for word in 0..40 {
+                let count = theirs.read(&mut bytes).await.expect("the line is there");
+                device.receive(&bytes[..count]);
+                for _ in 0..5 {
+                    device.step(&mut body, |_, _| {});
+                    body.step(STEP);
+                }
+                theirs.write_all(&device.take_output()).await.expect("the line takes it");
+                let busy = match word {
+                    20 => 1.2,
+                    25 => 2.0,
+                    30 => 12.0,
+                    _ => 0.1,
+                };
+                requests.send(Request::Busy(busy)).expect("it listens");
+            }
+            requests.send(Request::Leave).expect("it listens");
+            theirs
+        };
+        let both = async { tokio::join!(keeper.converse(Box::new(ours)), robot) };
+        let both = tokio::time::timeout(Duration::from_secs(60), both).await;
+        assert!(both.expect("it is left").0, "taken for a port that is gone");
+        let session = keeper.run.session().expect("a session");
+        let told: Vec<String> = session.events().iter().map(|e| e.kind.to_string()).collect();
+        assert!(!told.iter().any(|what| what.contains("link lost")), "{told:?}");
+    });
+}
+
 /// A bridge that does not answer keeps nobody: who is told to leave leaves at once.
 #[test]
 fn a_bridge_that_does_not_answer_is_left_at_once() {

@@ -1,5 +1,7 @@
 //! What the host makes of a robot that is none, or not one that can be driven.
 
+mod forgotten;
+
 use super::*;
 use crate::robot::Chassis;
 
@@ -299,6 +301,18 @@ fn what_does_not_end_and_what_is_not_taken_is_stopped() {
         assert!(late.contains(&STOP), "{why}: it goes on");
         assert!(told.contains(&Heard::Health(Health::Lost(why))), "{why}: {told:?}");
     }
+}
+
+/// A robot that reports and acknowledges no stop is not called one that is there: nobody knows whether it obeys.
+#[test]
+fn a_robot_that_acknowledges_no_stop_is_lost() {
+    let (mut host, mut told) = known();
+    live(&mut host, (1, 100), true, &mut told);
+    host.stop(1.0);
+    live(&mut host, (100, 395), true, &mut told);
+    assert_eq!(host.health(), Health::Up, "it had time");
+    live(&mut host, (395, 410), true, &mut told);
+    assert_eq!(host.health(), Health::Lost(Loss::Unacknowledged));
 }
 
 /// A robot that falls silent in one motion after the other is stopped in each.

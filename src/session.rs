@@ -347,7 +347,12 @@ impl Session {
 
     /// Lets the mission decide as long as it is ready and allowed to.
     fn go_on(&mut self, out: &mut Vec<Outgoing>) {
-        for _ in 0..MOST_DECISIONS {
+        self.decide(MOST_DECISIONS, out);
+    }
+
+    /// The same, so often at `most`; whoever would go on after that is given up.
+    fn decide(&mut self, most: usize, out: &mut Vec<Outgoing>) {
+        for _ in 0..most {
             let may = matches!(self.run, RunState::Running | RunState::Stepping(_));
             if may && self.mission.waits_for_place() {
                 // Nothing can be done before the operator says where the robot is.

@@ -297,3 +297,45 @@ fn a_robot_that_was_never_heard_is_told_nothing() {
     assert_eq!(command(&out), None);
     assert_eq!(session.snapshot().robot, Known::Unknown);
 }
+
+/// A mission that would decide on and on is at fault: the robot is stopped, whatever was decided last, and the
+/// run is over. One that has decided as often as it may and then waits for its robot is none.
+#[test]
+fn a_mission_that_decides_for_ever_is_given_up() {
+    for (most, given_up) in [(1, true), (2, false), (MOST_DECISIONS, false)] {
+        let (mut session, _) = begun(settings(), Phase::Objects, Intent::Pause);
+        session.run = RunState::Running;
+        let mut out = Vec::new();
+        session.decide(most, &mut out);
+        let asked = command(&out).expect("a motion");
+        assert_eq!(session.is_latched(), given_up, "{most}");
+        assert_eq!(session.run_state() != RunState::Running, given_up, "{most}");
+        if !given_up {
+            assert!(!out.contains(&Outgoing::Stop), "{most}: {out:?}");
+            continue;
+        }
+        let last = |what: fn(&Outgoing) -> bool| out.iter().rposition(what).expect("said");
+        let stopped = last(|outgoing| matches!(outgoing, Outgoing::Stop));
+        assert!(stopped > last(|outgoing| matches!(outgoing, Outgoing::Command(_))));
+        assert_eq!(session.run_state(), RunState::Failed(Failure::Internal));
+        let told = |outgoing: &Outgoing| matches!(outgoing, Outgoing::Event(event) if event.kind.to_string().contains("on and on"));
+        assert!(out.iter().any(told), "{out:?}");
+        let mut later = Vec::new();
+        session.intent(Intent::ClearStop, &mut later);
+        session.intent(Intent::Run, &mut later);
+        session.telemetry(&done(&asked, 2.0, 500), &mut later);
+        assert_eq!(command(&later), None, "it goes on");
+    }
+}
+
+/// Cleared and set going, a robot whose last word cannot be is told nothing before it is believed again.
+#[test]
+fn nothing_is_decided_on_what_cannot_be() {
+    let (mut session, _) = begun(settings(), Phase::Objects, Intent::Pause);
+    session.telemetry(&report(1.1, 1_000_000), &mut Vec::new());
+    assert!(session.fault().is_some(), "a leap of 500 m is believed");
+    let mut out = Vec::new();
+    session.intent(Intent::ClearStop, &mut out);
+    session.intent(Intent::Run, &mut out);
+    assert_eq!(command(&out), None, "{out:?}");
+}

@@ -51,3 +51,25 @@ impl Restart {
         told
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From one life to the next nothing moves, and from then on all moves as the robot says.
+    #[test]
+    fn a_new_life_counts_on_from_the_old_one() {
+        let odometer = |time_us: u64, left: i64, right: i64, heading: f64| Odometer {
+            time_us,
+            left_ticks: left,
+            right_ticks: right,
+            heading,
+        };
+        let (last, first) = (odometer(9_000_000, 700, 650, 2.5), odometer(20_000, 3, -4, 0.25));
+        let restart = Restart::between(&last, &first);
+        assert_eq!(restart.odometer(first), last);
+        let later = odometer(120_000, 13, 16, 0.5);
+        assert_eq!(restart.odometer(later), odometer(9_100_000, 710, 670, 2.75));
+        assert_eq!(Restart::recorded(&restart.life(4)), restart);
+    }
+}

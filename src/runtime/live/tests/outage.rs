@@ -110,3 +110,20 @@ fn why_a_robot_was_never_heard_stands_in_the_log() {
     let told: Vec<String> = snapshot.events.iter().map(|event| event.kind.to_string()).collect();
     assert!(told.len() == 1 && told[0].contains("--baud"), "{told:?}");
 }
+
+/// What is shown of a robot that is not heard says how old it is, and so does what a program shows that has failed.
+#[test]
+fn what_is_old_says_how_old_it_is() {
+    let age = |rig: &Rig| match rig.run.snapshot(rig.now).robot {
+        Known::Stale { age, .. } => Some(age),
+        Known::Known(_) | Known::Unknown => None,
+    };
+    let mut rig = under_way(20.0);
+    assert_eq!(age(&rig), None);
+    rig.line = Passage::Cut;
+    rig.until(4.0, |_| false);
+    assert!(age(&rig).is_some_and(|age| (3.8..4.2).contains(&age)), "{:?}", age(&rig));
+    let mut rig = under_way(20.0);
+    rig.run.broke("the program failed".to_owned());
+    assert!(age(&rig).is_some(), "shown as if it were heard");
+}

@@ -414,6 +414,30 @@ mod tests {
     }
 
     #[test]
+    fn a_wall_of_which_a_stride_was_not_looked_at_goes_on_to_where_the_next_begins() {
+        // A regular 12-gon: one wall seen to `unseen` of the corner at the origin, the next from 65 mm behind it on.
+        let corner = |unseen: f64| {
+            let v = angle::unit(angle::TAU / 12.0);
+            let off = |p: Point, along: Vector| p + crate::geometry::perp(along) * 0.145;
+            let one = (0..10).map(|k| Point::new(-unseen - 0.09 * f64::from(9 - k), 0.0));
+            let other = (0..10).map(|k| Point::origin() + v * (0.065 + 0.09 * f64::from(k)));
+            let one = one.map(|p| seen(p.x, p.y, off(p, Vector::x())));
+            let other = other.map(|p| seen(p.x, p.y, off(p, v)));
+            let samples: Vec<Sample> = one.chain(other).collect();
+            let line = |first: usize, direction: Vector| {
+                let model = Model::Line { center: samples[first].point, direction };
+                Run { first, last: first + 9, model }
+            };
+            let judge = Judge { samples: &samples, sigma: 0.0008, reach: 0.16 };
+            judge.joint(&line(0, Vector::x()), &line(10, v))
+        };
+        let joint = corner(0.4);
+        assert!(joint.end == joint.start && joint.end.coords.norm() < 1e-9, "{joint:?}");
+        let joint = corner(0.7);
+        assert!(joint.end != joint.start, "farther than a stride and a look: {joint:?}");
+    }
+
+    #[test]
     fn a_column_beside_a_face_is_not_drawn_out_through_the_gap_to_touch_its_line() {
         // Round a column of 0.15 m that stands 1 mm above the line of the face, and on along that from 0.2 m
         // beside it. Gone round clockwise, the column turns towards the line again on its far side.

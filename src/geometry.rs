@@ -17,6 +17,7 @@ pub mod raster;
 pub mod ring;
 pub mod segment;
 pub mod simple;
+pub mod thin;
 pub mod visibility;
 
 pub use piece::Piece;

@@ -1,7 +1,7 @@
 //! The sheet of paper under a picture of the map: which part of the world is shown at which
 //! scale, and the SVG path data of outlines and lines on it. Knows geometry, not maps.
 
-use crate::geometry::{Piece, Point, Ring, angle};
+use crate::geometry::{Piece, Point, Ring, thin};
 use std::fmt::Write;
 
 /// Largest extent of the drawing itself, pixels.
@@ -9,6 +9,8 @@ const WIDEST: f64 = 1040.0;
 const HIGHEST: f64 = 780.0;
 /// Largest scale, pixels a metre: a tiny room is not blown up without end.
 const LARGEST_SCALE: f64 = 400.0;
+/// What lies no farther than this off a line, pixels, is not seen beside it: data are written to a tenth.
+const UNSEEN: f64 = 0.1;
 
 /// Where world points are on the sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,28 +83,26 @@ impl Frame {
         self.start(piece.from()) + &self.piece(piece)
     }
 
-    /// Path data of a line through points; points closer together than half a pixel are left out.
+    /// Path data of a line through points; those that no eye misses from it are left out.
     #[must_use]
     pub fn line(&self, points: impl IntoIterator<Item = Point>) -> String {
-        let mut out = String::new();
-        let mut last: Option<(f64, f64)> = None;
-        let mut pending = None;
-        for point in points {
+        let on_sheet = |point| {
             let (x, y) = self.at(point);
-            match last {
-                Some((a, b)) if angle::hypot(x - a, y - b) < 0.5 => pending = Some((x, y)),
-                _ => {
-                    // Writing to a string cannot fail.
-                    let _ = write!(out, "{}{x:.1} {y:.1}", if last.is_some() { 'L' } else { 'M' });
-                    last = Some((x, y));
-                    pending = None;
-                }
-            }
-        }
-        if let Some((x, y)) = pending {
-            let _ = write!(out, "L{x:.1} {y:.1}");
-        }
-        out
+            Point::new(x, y)
+        };
+        let points: Vec<Point> = points.into_iter().map(on_sheet).collect();
+        let at = |k: usize| points[k];
+        let ends = points.len().checked_sub(1).map(|last| (0, last));
+        let kept = ends.into_iter().flat_map(|ends| {
+            let others = (ends.1 > 0).then(|| thin::kept(&at, ends, UNSEEN));
+            std::iter::once(0).chain(others.into_iter().flatten())
+        });
+        kept.fold(String::new(), |mut out, k| {
+            let (command, Point { coords }) = (if k == 0 { 'M' } else { 'L' }, at(k));
+            // Writing to a string cannot fail.
+            let _ = write!(out, "{command}{:.1} {:.1}", coords.x, coords.y);
+            out
+        })
     }
 
     fn start(&self, point: Point) -> String {
@@ -141,6 +141,32 @@ mod tests {
         assert_eq!(frame.at(Point::new(0.0, 3.0)), (10.0, 20.0));
         let (x, y) = frame.at(Point::new(4.0, 0.0));
         assert!((x - 10.0 - frame.width).abs() < 1e-9 && (y - 20.0 - frame.height).abs() < 1e-9);
+    }
+
+    #[test]
+    fn of_a_line_only_what_can_be_seen_is_drawn() {
+        let frame = Frame::around(Point::new(0.0, 0.0), Point::new(4.0, 3.0), (0.0, 0.0));
+        let along = |k: u32| f64::from(k) / 100.0;
+        // A straight way, a corner of five millimetres (a pixel and more) and one of a tenth of that.
+        let points = (0..=400).map(|k| {
+            let off = if k == 100 {
+                0.005
+            } else if k == 300 {
+                0.0003
+            } else {
+                0.0
+            };
+            Point::new(along(k), off)
+        });
+        let data = frame.line(points);
+        let drawn: Vec<&str> = data.split(['M', 'L']).skip(1).collect();
+        let straight = ["0.0 780.0", "257.4 780.0", "260.0 778.7", "262.6 780.0", "1040.0 780.0"];
+        assert_eq!(drawn, straight);
+        assert_eq!(frame.line([]), "");
+        assert_eq!(frame.line([Point::new(1.0, 1.0)]), "M260.0 520.0");
+        // Back along itself: the far end stays.
+        let there_and_back = (0..=100).chain((0..100).rev()).map(|k| Point::new(along(k), 0.0));
+        assert_eq!(frame.line(there_and_back), "M0.0 780.0L260.0 780.0L0.0 780.0");
     }
 
     #[test]

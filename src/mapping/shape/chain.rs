@@ -4,7 +4,7 @@
 use super::order;
 use crate::geometry::segment::Segment;
 use crate::geometry::simple::crossings;
-use crate::geometry::{Point, Ring};
+use crate::geometry::{Point, Ring, thin};
 use crate::mapping::map::{Contact, ContactKind};
 use std::collections::BTreeSet;
 
@@ -80,9 +80,9 @@ pub(super) fn thinned(points: &[Point], tolerance: f64) -> Vec<Point> {
         .max_by(|&a, &b| (points[a] - points[0]).norm().total_cmp(&(points[b] - points[0]).norm()))
         .unwrap_or(0);
     let at = |k: usize| points[k % count];
-    let mut kept = vec![0];
-    thin(&at, (0, far), tolerance, &mut kept);
-    thin(&at, (far, count), tolerance, &mut kept);
+    let sides =
+        [(0, far), (far, count)].into_iter().flat_map(|side| thin::kept(&at, side, tolerance));
+    let mut kept: Vec<usize> = std::iter::once(0).chain(sides).collect();
     kept.pop();
     loop {
         let ring: Vec<Point> = kept.iter().map(|k| points[*k]).collect();
@@ -91,7 +91,7 @@ pub(super) fn thinned(points: &[Point], tolerance: f64) -> Vec<Point> {
         let restored: BTreeSet<usize> = sides
             .filter_map(|side| {
                 let (from, to) = (kept[side], kept.get(side + 1).copied().unwrap_or(count));
-                farthest(&at, (from, to)).map(|(k, _)| k)
+                thin::farthest(&at, (from, to)).map(|(k, _)| k)
             })
             .collect();
         if restored.is_empty() {
@@ -100,31 +100,5 @@ pub(super) fn thinned(points: &[Point], tolerance: f64) -> Vec<Point> {
         kept.extend(restored);
         kept.sort_unstable();
         kept.dedup();
-    }
-}
-
-/// The corner between the ends of `stretch` that lies farthest off the line between them, with how
-/// far.
-fn farthest(at: &impl Fn(usize) -> Point, stretch: (usize, usize)) -> Option<(usize, f64)> {
-    let (first, along) = (at(stretch.0), at(stretch.1) - at(stretch.0));
-    let off = |p: Point| {
-        let t = ((p - first).dot(&along) / along.norm_squared().max(1e-18)).clamp(0.0, 1.0);
-        (first + along * t - p).norm()
-    };
-    (stretch.0 + 1..stretch.1).map(|k| (k, off(at(k)))).max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-fn thin(
-    at: &impl Fn(usize) -> Point,
-    stretch: (usize, usize),
-    tolerance: f64,
-    kept: &mut Vec<usize>,
-) {
-    match farthest(at, stretch) {
-        Some((k, off)) if off > tolerance => {
-            thin(at, (stretch.0, k), tolerance, kept);
-            thin(at, (k, stretch.1), tolerance, kept);
-        }
-        _ => kept.push(stretch.1),
     }
 }

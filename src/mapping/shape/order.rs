@@ -104,12 +104,14 @@ fn floor_on_left(contacts: &[Contact]) -> bool {
 struct Lifted {
     point: Point,
     side: Vector,
+    /// Which contact it is.
+    number: usize,
 }
 
 impl Lifted {
-    fn of(contact: &Contact) -> Self {
+    fn of((number, contact): (usize, &Contact)) -> Self {
         let side = (contact.from - contact.point).try_normalize(1e-9).unwrap_or_else(Vector::zeros);
-        Self { point: contact.point, side: side * SIDE }
+        Self { point: contact.point, side: side * SIDE, number }
     }
 
     fn distance(&self, other: &Self) -> f64 {
@@ -129,48 +131,44 @@ impl Lifted {
 /// Shortens the way through the contacts by reversing and moving short stretches; the ends stay. No such way
 /// is sure to be the shortest: of those that are found the shorter one counts.
 fn shorten(contacts: &mut Vec<Contact>) {
-    let lifted: Vec<Lifted> = contacts.iter().map(Lifted::of).collect();
-    let length = |order: &Vec<usize>| -> f64 {
-        order.windows(2).map(|two| lifted[two[0]].distance(&lifted[two[1]])).sum()
-    };
-    let orders = WINDOWS.map(|windows| shortened(&lifted, windows));
-    if let Some(order) = orders.iter().min_by(|a, b| length(a).total_cmp(&length(b))) {
-        *contacts = order.iter().map(|&k| contacts[k]).collect();
+    let lifted: Vec<Lifted> = contacts.iter().enumerate().map(Lifted::of).collect();
+    let length =
+        |way: &Vec<Lifted>| -> f64 { way.windows(2).map(|two| two[0].distance(&two[1])).sum() };
+    let ways = WINDOWS.map(|windows| shortened(lifted.clone(), windows));
+    if let Some(way) = ways.iter().min_by(|a, b| length(a).total_cmp(&length(b))) {
+        *contacts = way.iter().map(|lifted| contacts[lifted.number]).collect();
     }
 }
 
-fn shortened(lifted: &[Lifted], windows: &[usize]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..lifted.len()).collect();
+fn shortened(mut way: Vec<Lifted>, windows: &[usize]) -> Vec<Lifted> {
     for &window in windows {
         for _ in 0..8 {
-            let reversed = reverse_stretches(&mut order, lifted, window);
-            let moved = move_stretches(&mut order, lifted, window);
+            let reversed = reverse_stretches(&mut way, window);
+            let moved = move_stretches(&mut way, window);
             if !reversed && !moved {
                 break;
             }
         }
     }
-    order
+    way
 }
 
-fn reverse_stretches(order: &mut [usize], lifted: &[Lifted], window: usize) -> bool {
-    let distance = |a: usize, b: usize| lifted[a].distance(&lifted[b]);
+fn reverse_stretches(way: &mut [Lifted], window: usize) -> bool {
     let mut improved = false;
-    for i in 0..order.len().saturating_sub(3) {
-        let before = distance(order[i], order[i + 1]);
-        for k in i + 2..(i + REVERSED.min(window)).min(order.len() - 1) {
-            if lifted[order[i]].is_beyond(&lifted[order[k]], before) {
+    for i in 0..way.len().saturating_sub(3) {
+        let before = way[i].distance(&way[i + 1]);
+        for k in i + 2..(i + REVERSED.min(window)).min(way.len() - 1) {
+            if way[i].is_beyond(&way[k], before) {
                 continue;
             }
-            let joined = distance(order[i], order[k]);
+            let joined = way[i].distance(&way[k]);
             if joined >= before {
                 continue;
             }
-            let change = joined + distance(order[i + 1], order[k + 1])
-                - before
-                - distance(order[k], order[k + 1]);
+            let change =
+                joined + way[i + 1].distance(&way[k + 1]) - before - way[k].distance(&way[k + 1]);
             if change < -1e-7 {
-                order[i + 1..=k].reverse();
+                way[i + 1..=k].reverse();
                 improved = true;
                 break;
             }
@@ -179,47 +177,42 @@ fn reverse_stretches(order: &mut [usize], lifted: &[Lifted], window: usize) -> b
     improved
 }
 
-fn move_stretches(order: &mut [usize], lifted: &[Lifted], window: usize) -> bool {
+fn move_stretches(way: &mut [Lifted], window: usize) -> bool {
     let mut improved = false;
     for length in 1..=CHAIN {
-        for at in 1..order.len().saturating_sub(length + 1) {
-            improved |= move_stretch(order, lifted, (at, length), window);
+        for at in 1..way.len().saturating_sub(length + 1) {
+            improved |= move_stretch(way, (at, length), window);
         }
     }
     improved
 }
 
 /// Moves the stretch of `length` contacts at `at` to the best place within the `window`.
-fn move_stretch(
-    order: &mut [usize],
-    lifted: &[Lifted],
-    (at, length): (usize, usize),
-    window: usize,
-) -> bool {
-    let distance = |a: usize, b: usize| lifted[a].distance(&lifted[b]);
-    let (before, after) = (order[at - 1], order[at + length]);
-    let (head, tail) = (order[at], order[at + length - 1]);
-    let gain = distance(before, head) + distance(tail, after) - distance(before, after);
+fn move_stretch(way: &mut [Lifted], (at, length): (usize, usize), window: usize) -> bool {
+    let (before, after) = (way[at - 1], way[at + length]);
+    let (head, tail) = (way[at], way[at + length - 1]);
+    let gain = before.distance(&head) + tail.distance(&after) - before.distance(&after);
     if gain < 1e-7 {
         return false;
     }
     let low = at.saturating_sub(window);
-    let high = (at + length + window).min(order.len() - 1);
+    let high = (at + length + window).min(way.len() - 1);
     let mut best = (gain - 1e-7, None);
-    for k in (low..at - 1).chain(at + length..high) {
-        let (left, right) = (order[k], order[k + 1]);
-        let is_beyond = |end: usize| lifted[left].is_beyond(&lifted[end], best.0);
-        if is_beyond(head) && is_beyond(tail) {
+    let places = |places: std::ops::Range<usize>| {
+        places.clone().zip(way[places.start..=places.end].windows(2))
+    };
+    for (k, two) in places(low..(at - 1).max(low)).chain(places(at + length..high)) {
+        let (left, right) = (&two[0], &two[1]);
+        if left.is_beyond(&head, best.0) && left.is_beyond(&tail, best.0) {
             continue;
         }
-        let to_head = distance(left, head);
-        let to_tail = distance(left, tail);
+        let (to_head, to_tail) = (left.distance(&head), left.distance(&tail));
         if to_head >= best.0 && to_tail >= best.0 {
             continue;
         }
-        let open = distance(left, right);
-        let straight = to_head + distance(tail, right) - open;
-        let turned = to_tail + distance(head, right) - open;
+        let open = left.distance(right);
+        let straight = to_head + tail.distance(right) - open;
+        let turned = to_tail + head.distance(right) - open;
         if straight.min(turned) < best.0 {
             best = (straight.min(turned), Some((k, turned < straight)));
         }
@@ -228,12 +221,12 @@ fn move_stretch(
         return false;
     };
     if turned {
-        order[at..at + length].reverse();
+        way[at..at + length].reverse();
     }
     if k < at {
-        order[k + 1..at + length].rotate_right(length);
+        way[k + 1..at + length].rotate_right(length);
     } else {
-        order[at..=k].rotate_left(length);
+        way[at..=k].rotate_left(length);
     }
     true
 }
@@ -243,11 +236,11 @@ fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
     if count == 0 {
         return;
     }
-    let lifted: Vec<Lifted> = surface.iter().map(Lifted::of).collect();
+    let lifted: Vec<Lifted> = surface.iter().enumerate().map(Lifted::of).collect();
     let mut places: Vec<(usize, Contact)> = edges
         .iter()
         .map(|edge| {
-            let here = Lifted::of(edge);
+            let here = Lifted::of((count, edge));
             let detour = |k: usize| {
                 let next = (k + 1) % count;
                 lifted[k].distance(&here) + here.distance(&lifted[next])

@@ -16,7 +16,7 @@ pub use coverage::Coverage;
 pub use hidden::HiddenDisc;
 pub(in crate::mapping) use hidden::Unswept;
 pub(in crate::mapping) use pocket::Narrow;
-pub(in crate::mapping) use reach::{SPARE, component};
+pub(in crate::mapping) use reach::SPARE;
 
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::raster::{Grid, inside, squared_distances};

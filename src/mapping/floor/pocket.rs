@@ -1,7 +1,8 @@
 //! Pockets: pieces of the floor where the body would fit and to which it is not sent, because only narrow places
 //! lead there; and how wide those are. The raster does not tell that to a centimetre; the outlines do.
 
-use super::{Floor, SPARE, component};
+use super::reach::fill;
+use super::{Floor, SPARE};
 use crate::geometry::{Point, Vector};
 use std::collections::BinaryHeap;
 
@@ -39,18 +40,21 @@ impl Floor {
     pub(in crate::mapping) fn pockets(&self) -> Vec<Pocket> {
         let least = (self.radius + SPARE) as f32;
         let cells = self.free.iter().zip(&self.drivable);
-        let mut left: Vec<bool> = cells.map(|(&free, sent)| free >= least && !sent).collect();
+        let left: Vec<bool> = cells.map(|(&free, sent)| free >= least && !sent).collect();
+        let mut known = vec![false; left.len()];
         let mut found = Vec::new();
-        while let Some(cell) = left.iter().position(|&is| is) {
-            let together = component(&self.grid, &left, self.grid.point(cell));
-            let cells: Vec<usize> = (0..left.len()).filter(|&k| together[k]).collect();
-            for &k in &cells {
-                left[k] = false;
+        for seed in 0..left.len() {
+            if known[seed] || !left[seed] {
+                continue;
             }
-            let area = cells.len() as f64 * self.grid.cell * self.grid.cell;
+            let mut runs = fill(&self.grid, &left, seed, &mut known);
+            let count: usize = runs.iter().map(ExactSizeIterator::len).sum();
+            let area = count as f64 * self.grid.cell * self.grid.cell;
             if area < LEAST_FLOOR {
                 continue;
             }
+            runs.sort_unstable_by_key(|run| run.start);
+            let cells: Vec<usize> = runs.into_iter().flatten().collect();
             if let Some(narrow) = self.narrowest(&cells) {
                 found.push(Pocket { cells, area, narrow });
             }

@@ -5,6 +5,7 @@ use super::pocket::Narrow;
 use super::{Floor, inside};
 use crate::geometry::raster::{Grid, squared_distances};
 use crate::geometry::{Point, Segment};
+use std::ops::Range;
 
 /// The centre keeps this much more than the radius from everything, metres.
 pub(in crate::mapping) const SPARE: f64 = 0.02;
@@ -65,20 +66,20 @@ impl Floor {
     fn with_rim(&self, wide: Vec<bool>) -> Vec<bool> {
         let mut sent = wide;
         let body = (self.radius + SPARE) as f32;
+        let around = |cell: usize| self.grid.neighbours(cell).into_iter().flatten();
         // A corner that the wide body leaves out is deeper than it is wide; beyond twice the
         // difference there is a gap.
         let steps = (2.0 * (self.half_gap - self.radius) / self.grid.cell).ceil() as usize;
-        let mut rim: Vec<usize> = (0..sent.len()).filter(|&k| sent[k]).collect();
+        // Beside what is wide there is less than of it.
+        let beside =
+            |&k: &usize| !sent[k] && self.free[k] >= body && around(k).any(|near| sent[near]);
+        let mut rim: Vec<usize> = (0..sent.len()).filter(beside).collect();
         for _ in 0..steps {
-            let mut next = Vec::new();
-            for &cell in &rim {
-                for near in self.grid.neighbours(cell).into_iter().flatten() {
-                    if !sent[near] && self.free[near] >= body {
-                        sent[near] = true;
-                        next.push(near);
-                    }
-                }
-            }
+            rim.iter().for_each(|&k| sent[k] = true);
+            let fits = |near: &usize| !sent[*near] && self.free[*near] >= body;
+            let mut next: Vec<usize> = rim.iter().flat_map(|&k| around(k).filter(fits)).collect();
+            next.sort_unstable();
+            next.dedup();
             rim = next;
         }
         sent
@@ -86,22 +87,39 @@ impl Floor {
 }
 
 /// The part of `open` that hangs together with the open cell nearest to `from`.
-pub(in crate::mapping) fn component(grid: &Grid, open: &[bool], from: Point) -> Vec<bool> {
+fn component(grid: &Grid, open: &[bool], from: Point) -> Vec<bool> {
     let mut found = vec![false; open.len()];
-    let Some(seed) = nearest_open(grid, open, from) else {
-        return found;
-    };
-    let mut stack = vec![seed];
-    while let Some(cell) = stack.pop() {
-        if !found[cell] {
-            fill_run(grid, open, cell, &mut found, &mut stack);
-        }
+    if let Some(seed) = nearest_open(grid, open, from) {
+        fill(grid, open, seed, &mut found);
     }
     found
 }
 
-/// Fills the run of open cells in the row of `cell` and stacks one cell of each run beside it.
-fn fill_run(grid: &Grid, open: &[bool], cell: usize, found: &mut [bool], stack: &mut Vec<usize>) {
+/// Marks in `found` what of `open` hangs together with the cell `seed`; returns it in runs of cells that follow
+/// each other in one row.
+pub(super) fn fill(
+    grid: &Grid,
+    open: &[bool],
+    seed: usize,
+    found: &mut [bool],
+) -> Vec<Range<usize>> {
+    let (mut stack, mut runs) = (vec![seed], Vec::new());
+    while let Some(cell) = stack.pop() {
+        if !found[cell] {
+            runs.push(fill_run(grid, open, cell, found, &mut stack));
+        }
+    }
+    runs
+}
+
+/// Fills the run of open cells in the row of `cell`, stacks one cell of each run beside it, and returns it.
+fn fill_run(
+    grid: &Grid,
+    open: &[bool],
+    cell: usize,
+    found: &mut [bool],
+    stack: &mut Vec<usize>,
+) -> Range<usize> {
     let row = cell / grid.width * grid.width;
     let (mut first, mut end) = (cell, cell + 1);
     while first > row && open[first - 1] {
@@ -123,6 +141,7 @@ fn fill_run(grid: &Grid, open: &[bool], cell: usize, found: &mut [bool], stack: 
             inside = fresh;
         }
     }
+    first..end
 }
 
 fn nearest_open(grid: &Grid, open: &[bool], from: Point) -> Option<usize> {

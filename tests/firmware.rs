@@ -165,7 +165,7 @@ fn line(body: &str) -> String {
 fn answered(line: &str) -> String {
     let mut device = Device::new(&Chassis::default(), "reference", 1, 1.0);
     let mut hello = Vec::new();
-    seal(&ToRobot::Hello { version: VERSION, session: 42 }.to_string(), &mut hello);
+    seal(&ToRobot::Hello { version: VERSION, session: 42 }, &mut hello);
     device.receive(&hello);
     let _ = device.take_output();
     device.receive(line.as_bytes());

@@ -70,7 +70,7 @@ impl Device {
     }
 
     fn say(&mut self, message: &FromRobot) {
-        seal(&message.to_string(), &mut self.out);
+        seal(message, &mut self.out);
     }
 
     fn introduce(&mut self) {

@@ -2,6 +2,8 @@
 //! of what the lines say.
 
 use crc::{CRC_16_IBM_3740, Crc};
+use std::fmt::Display;
+use std::io::Write;
 
 /// Bytes of a line at most, its end counted.
 pub const LONGEST: usize = 96;
@@ -12,11 +14,17 @@ const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
 /// Appends the line of `body` to `out`. A body that is too long or not printable is left out: no
 /// such thing is ever said.
-pub fn seal(body: &str, out: &mut Vec<u8>) {
-    let sound = body.len() + 6 <= LONGEST && body.bytes().all(|byte| (32..127).contains(&byte));
-    if sound {
-        let sum = CRC.checksum(body.as_bytes());
-        out.extend_from_slice(format!("{body}*{sum:04X}\n").as_bytes());
+pub fn seal(body: &(impl Display + ?Sized), out: &mut Vec<u8>) {
+    let start = out.len();
+    out.reserve(LONGEST);
+    // Writing to memory cannot fail.
+    let _ = write!(out, "{body}");
+    let body = &out[start..];
+    if body.len() + 6 <= LONGEST && body.iter().all(|byte| (32..127).contains(byte)) {
+        let sum = CRC.checksum(body);
+        let _ = writeln!(out, "*{sum:04X}");
+    } else {
+        out.truncate(start);
     }
 }
 
@@ -50,13 +58,14 @@ impl Decoder {
                 Some(Item::Stop)
             }
             b'\n' => {
-                let line = std::mem::take(&mut self.line);
                 let spoilt = std::mem::take(&mut self.spoilt);
-                match (spoilt, line.is_empty()) {
+                let item = match (spoilt, self.line.is_empty()) {
                     (false, true) => None,
-                    (false, false) => Some(body(&line).map_or(Item::Garbled, Item::Body)),
+                    (false, false) => Some(body(&self.line).map_or(Item::Garbled, Item::Body)),
                     (true, _) => Some(Item::Garbled),
-                }
+                };
+                self.line.clear();
+                item
             }
             b'\r' => None,
             32..127 if self.line.len() + 1 < LONGEST => {

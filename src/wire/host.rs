@@ -186,7 +186,7 @@ impl Host {
     pub fn send(&mut self, command: Command, now: f64) {
         let wait = self.answer_time();
         let mut line = Vec::new();
-        seal(&ToRobot::Command(command).to_string(), &mut line);
+        seal(&ToRobot::Command(command), &mut line);
         self.out.extend_from_slice(&line);
         self.halted = false;
         self.motion = Some((command.id, now + command.time_limit + OVERDUE));
@@ -201,7 +201,7 @@ impl Host {
         // What was not acknowledged yet must not begin after the stop.
         self.put_in_doubt();
         let mut line = vec![STOP];
-        seal(&ToRobot::Stop { seq }.to_string(), &mut line);
+        seal(&ToRobot::Stop { seq }, &mut line);
         self.out.clear();
         self.urgent.extend_from_slice(&line);
         self.stop = Some(Pending::new(seq, line, now, wait));

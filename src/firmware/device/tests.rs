@@ -28,7 +28,7 @@ impl Bench {
     /// Says something to the robot and gives its answers.
     fn say(&mut self, message: &ToRobot) -> Vec<String> {
         let mut line = Vec::new();
-        seal(&message.to_string(), &mut line);
+        seal(&message, &mut line);
         self.device.receive(&line);
         self.answers()
     }

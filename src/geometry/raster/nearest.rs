@@ -39,10 +39,15 @@ impl<'a> Ruler<'a> {
         for (k, value) in cells.iter_mut().enumerate() {
             let k = k as u32 as f32;
             let (ahead, aside) = (ahead + k * self.step.0, aside + k * self.step.1);
-            let beyond = (ahead - self.length).max(-ahead).max(0.0);
+            let beyond = larger(larger(ahead - self.length, -ahead), 0.0);
             each(value, aside * aside + beyond * beyond);
         }
     }
+}
+
+/// The larger of two numbers, one instruction where `f32::max`, which minds what is no number, takes three.
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Squared distance from every cell of `grid` to the nearest of `segments`, square metres, to the
@@ -118,7 +123,9 @@ impl Nearest<'_> {
             for y in block.y..block.y + block.height {
                 let begin = y * self.grid.width + block.x;
                 let cells = &mut self.squared[begin..begin + block.width];
-                ruler.measure((block.x, y), cells, |value, square| *value = value.min(square));
+                ruler.measure((block.x, y), cells, |value, square| {
+                    *value = if square < *value { square } else { *value };
+                });
             }
         }
     }

@@ -75,7 +75,9 @@ impl Floor {
             |&k: &usize| !sent[k] && self.free[k] >= body && around(k).any(|near| sent[near]);
         let mut rim: Vec<usize> = (0..sent.len()).filter(beside).collect();
         for _ in 0..steps {
-            rim.iter().for_each(|&k| sent[k] = true);
+            for &k in &rim {
+                sent[k] = true;
+            }
             let fits = |near: &usize| !sent[*near] && self.free[*near] >= body;
             let mut next: Vec<usize> = rim.iter().flat_map(|&k| around(k).filter(fits)).collect();
             next.sort_unstable();

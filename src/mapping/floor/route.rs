@@ -4,7 +4,7 @@
 
 use super::Floor;
 use crate::geometry::Point;
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// How far below the clearance asked for a leg may fall, metres: less than the raster resolves.
@@ -101,8 +101,9 @@ impl Floor {
         let mut came = vec![u32::MAX; grid.len()];
         let mut open = BinaryHeap::new();
         cost[start] = 0.0;
-        open.push(Entry::new(self.to_go(start, goal_at), start));
-        while let Some(Entry { cell, total }) = open.pop() {
+        open.push(entry(self.to_go(start, goal_at), start));
+        while let Some(Reverse(key)) = open.pop() {
+            let (total, cell) = (f32::from_bits((key >> 32) as u32), key as u32 as usize);
             if cell == goal {
                 return Some(self.trace(&came, start, goal, from, to));
             }
@@ -119,7 +120,7 @@ impl Floor {
                 if next < cost[near] {
                     cost[near] = next;
                     came[near] = cell as u32;
-                    open.push(Entry::new(next + self.to_go(near, goal_at), near));
+                    open.push(entry(next + self.to_go(near, goal_at), near));
                 }
             }
         }
@@ -218,32 +219,11 @@ pub(crate) fn length(way: &[Point]) -> f64 {
     way.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum()
 }
 
-/// A cell on the open list: cheapest first, ties by index so that the way never depends on chance.
-#[derive(PartialEq)]
-struct Entry {
-    total: f32,
-    cell: usize,
-}
-
-impl Entry {
-    fn new(total: f32, cell: usize) -> Self {
-        Self { total, cell }
-    }
-}
-
-impl Eq for Entry {}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let cost = other.total.total_cmp(&self.total);
-        cost.then_with(|| other.cell.cmp(&self.cell))
-    }
+/// A cell on the open list with the least that a way through it costs, metres: the cheapest compares greatest,
+/// ties by index so that the way never depends on chance.
+fn entry(total: f32, cell: usize) -> Reverse<u64> {
+    // The bits of positive floats order as they do.
+    Reverse(u64::from(total.to_bits()) << 32 | cell as u64)
 }
 
 #[cfg(test)]

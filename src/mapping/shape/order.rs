@@ -7,6 +7,7 @@ use super::pocket::without_pockets;
 use super::round::once_round;
 use crate::geometry::{Point, Vector, cross};
 use crate::mapping::map::{Contact, ContactKind};
+use std::ops::Range;
 
 /// How far a contact may be moved in the order, in places: at once, or first not far. What a swing of the robot
 /// saw in no order finds its place near by then, and not on the other face of a thin wall.
@@ -142,9 +143,11 @@ fn shorten(contacts: &mut Vec<Contact>) {
 
 fn shortened(mut way: Vec<Lifted>, windows: &[usize]) -> Vec<Lifted> {
     for &window in windows {
+        let mut changes = Changes::new(way.len());
         for _ in 0..8 {
-            let reversed = reverse_stretches(&mut way, window);
-            let moved = move_stretches(&mut way, window);
+            changes.round += 1;
+            let reversed = reverse_stretches(&mut way, window, &mut changes);
+            let moved = move_stretches(&mut way, window, &mut changes);
             if !reversed && !moved {
                 break;
             }
@@ -153,11 +156,42 @@ fn shortened(mut way: Vec<Lifted>, windows: &[usize]) -> Vec<Lifted> {
     way
 }
 
-fn reverse_stretches(way: &mut [Lifted], window: usize) -> bool {
+/// Where the order was changed lately: what could not be bettered in the round before is not looked at again where
+/// nothing changed since.
+struct Changes {
+    round: usize,
+    /// The round of the last change, for so many places together.
+    last: Vec<usize>,
+}
+
+impl Changes {
+    const TOGETHER: usize = 16;
+
+    fn new(places: usize) -> Self {
+        Self { round: 0, last: vec![0; places / Self::TOGETHER + 1] }
+    }
+
+    /// Whether anything among `places` was changed in the round before, or in this one.
+    fn are_in(&self, places: Range<usize>) -> bool {
+        let parts = places.start / Self::TOGETHER..=(places.end - 1) / Self::TOGETHER;
+        self.last[parts].iter().any(|&round| round + 1 >= self.round)
+    }
+
+    fn note(&mut self, places: Range<usize>) {
+        let parts = places.start / Self::TOGETHER..=(places.end - 1) / Self::TOGETHER;
+        self.last[parts].fill(self.round);
+    }
+}
+
+fn reverse_stretches(way: &mut [Lifted], window: usize, changes: &mut Changes) -> bool {
     let mut improved = false;
     for i in 0..way.len().saturating_sub(3) {
+        let end = (i + REVERSED.min(window)).min(way.len() - 1);
+        if !changes.are_in(i..end + 1) {
+            continue;
+        }
         let before = way[i].distance(&way[i + 1]);
-        for k in i + 2..(i + REVERSED.min(window)).min(way.len() - 1) {
+        for k in i + 2..end {
             if way[i].is_beyond(&way[k], before) {
                 continue;
             }
@@ -169,6 +203,7 @@ fn reverse_stretches(way: &mut [Lifted], window: usize) -> bool {
                 joined + way[i + 1].distance(&way[k + 1]) - before - way[k].distance(&way[k + 1]);
             if change < -1e-7 {
                 way[i + 1..=k].reverse();
+                changes.note(i + 1..k + 1);
                 improved = true;
                 break;
             }
@@ -177,30 +212,39 @@ fn reverse_stretches(way: &mut [Lifted], window: usize) -> bool {
     improved
 }
 
-fn move_stretches(way: &mut [Lifted], window: usize) -> bool {
+fn move_stretches(way: &mut [Lifted], window: usize, changes: &mut Changes) -> bool {
     let mut improved = false;
     for length in 1..=CHAIN {
         for at in 1..way.len().saturating_sub(length + 1) {
-            improved |= move_stretch(way, (at, length), window);
+            let (low, high) =
+                (at.saturating_sub(window), (at + length + window).min(way.len() - 1));
+            if changes.are_in(low..high + 1)
+                && let Some(changed) = move_stretch(way, (at, length), (low, high))
+            {
+                changes.note(changed);
+                improved = true;
+            }
         }
     }
     improved
 }
 
-/// Moves the stretch of `length` contacts at `at` to the best place within the `window`.
-fn move_stretch(way: &mut [Lifted], (at, length): (usize, usize), window: usize) -> bool {
+/// Moves the stretch of `length` contacts at `at` to the best place between `low` and `high`; the places whose
+/// contacts changed.
+fn move_stretch(
+    way: &mut [Lifted],
+    (at, length): (usize, usize),
+    (low, high): (usize, usize),
+) -> Option<Range<usize>> {
     let (before, after) = (way[at - 1], way[at + length]);
     let (head, tail) = (way[at], way[at + length - 1]);
     let gain = before.distance(&head) + tail.distance(&after) - before.distance(&after);
     if gain < 1e-7 {
-        return false;
+        return None;
     }
-    let low = at.saturating_sub(window);
-    let high = (at + length + window).min(way.len() - 1);
     let mut best = (gain - 1e-7, None);
-    let places = |places: std::ops::Range<usize>| {
-        places.clone().zip(way[places.start..=places.end].windows(2))
-    };
+    let places =
+        |places: Range<usize>| places.clone().zip(way[places.start..=places.end].windows(2));
     for (k, two) in places(low..(at - 1).max(low)).chain(places(at + length..high)) {
         let (left, right) = (&two[0], &two[1]);
         if left.is_beyond(&head, best.0) && left.is_beyond(&tail, best.0) {
@@ -217,18 +261,17 @@ fn move_stretch(way: &mut [Lifted], (at, length): (usize, usize), window: usize)
             best = (straight.min(turned), Some((k, turned < straight)));
         }
     }
-    let Some((k, turned)) = best.1 else {
-        return false;
-    };
+    let (k, turned) = best.1?;
     if turned {
         way[at..at + length].reverse();
     }
     if k < at {
         way[k + 1..at + length].rotate_right(length);
+        Some(k + 1..at + length)
     } else {
         way[at..=k].rotate_left(length);
+        Some(at..k + 1)
     }
-    true
 }
 
 fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {

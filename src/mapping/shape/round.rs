@@ -74,22 +74,28 @@ fn again(contacts: &[Contact], reach: f64) -> Option<(usize, usize)> {
             round.abs() > 2.0 * WITHIN && whole / round - 1.0 > AS_MUCH && is_beside(i, k)
         }
     };
-    // Every contact is compared with every other one: most are far away, which is told first.
-    let reached: Vec<f64> = (0..contacts.len())
-        .map(|k| (SAME_PLACE + (at(k) - at(k.saturating_sub(1))).norm()).powi(2))
-        .collect();
-    let is_near = |i: usize, k: usize| (at(k) - at(i)).norm_squared() < reached[k];
+    let is_near =
+        |i: usize, k: usize, reached: f64| (at(k) - at(i)).norm_squared() < reached * reached;
     let is_past = |i: usize, k: usize| {
         let step = Piece::with_bulge(contacts[k - 1].from, contacts[k].from, 0.0);
         step.distance(contacts[i].from) < SAME_PLACE
     };
     let bearings: Vec<f64> = contacts.iter().map(|c| angle::of(c.point - c.from)).collect();
     let is_alike = |i: usize, k: usize| angle::wrap(bearings[i] - bearings[k]).abs() < SAME_SIDE;
-    let pairs = (0..contacts.len()).flat_map(|i| (i + 1..contacts.len()).map(move |k| (i, k)));
-    let mut back: Vec<(usize, usize)> =
-        pairs.filter(|&(i, k)| is_near(i, k) && is_alike(i, k) && is_past(i, k)).collect();
+    // From left to right, so that only those about as far to the right as a contact are compared with it.
+    let mut abreast: Vec<usize> = (0..contacts.len()).collect();
+    abreast.sort_by(|&i, &k| at(i).x.total_cmp(&at(k).x));
+    let mut back: Vec<(usize, usize)> = Vec::new();
+    for k in 1..contacts.len() {
+        let reached = SAME_PLACE + (at(k) - at(k - 1)).norm();
+        let first = abreast.partition_point(|&i| at(i).x < at(k).x - reached);
+        let others = abreast[first..].iter().take_while(|&&i| at(i).x <= at(k).x + reached);
+        let past =
+            others.filter(|&&i| i < k && is_near(i, k, reached) && is_alike(i, k) && is_past(i, k));
+        back.extend(past.map(|&i| (i, k)));
+    }
     // What is a round takes long to tell: the shortest are asked first.
-    back.sort_by_key(|&(i, k)| k - i);
+    back.sort_unstable_by_key(|&(i, k)| (k - i, i));
     back.into_iter().find(|&(i, k)| is_round(i, k))
 }
 

@@ -29,13 +29,13 @@ fn introduction(chassis: &Chassis, switches: usize) -> Vec<u8> {
     let name = "tin".to_owned();
     let (boot, session, watchdog) = (7, 0x2A, 300);
     let hello = FromRobot::Hello { version: VERSION, boot, session, watchdog, switches, name };
-    seal(&hello.to_string(), &mut out);
+    seal(&hello, &mut out);
     seal(&FromRobot::Body(chassis.clone()).to_string(), &mut out);
     for (index, mount) in chassis.sensors.iter().enumerate() {
         let mount = mount.clone();
-        seal(&FromRobot::Switch { index, mount }.to_string(), &mut out);
+        seal(&FromRobot::Switch { index, mount }, &mut out);
     }
-    seal(&FromRobot::Pong { number: 1 }.to_string(), &mut out);
+    seal(&FromRobot::Pong { number: 1 }, &mut out);
     seal("r 20000 0 0 0 00 0 0 0", &mut out);
     out
 }
@@ -69,7 +69,7 @@ fn asks(host: &mut Host, from: f64, said: &str) -> bool {
     for step in 0..50 {
         let now = from + f64::from(step) * 0.01;
         let mut line = Vec::new();
-        seal(&FromRobot::Pong { number: 1 }.to_string(), &mut line);
+        seal(&FromRobot::Pong { number: 1 }, &mut line);
         if step == 0 {
             seal(said, &mut line);
         }

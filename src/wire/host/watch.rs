@@ -18,7 +18,7 @@ impl Host {
         }
         if now >= self.hello_due {
             let hello = ToRobot::Hello { version: VERSION, session: self.session };
-            seal(&hello.to_string(), &mut self.out);
+            seal(&hello, &mut self.out);
             self.hello_due = now + HELLO;
         }
         if self.is_open() && !self.estranged && self.hello_due.is_finite() {
@@ -61,7 +61,7 @@ impl Host {
         if now >= self.ping_due {
             self.pings = self.pings.wrapping_add(1);
             let ping = ToRobot::Ping { number: self.pings, event: self.event };
-            seal(&ping.to_string(), &mut self.out);
+            seal(&ping, &mut self.out);
             self.pinged = self.pinged.or(Some((self.pings, now)));
             if self.pinged.is_some_and(|(_, sent)| now - sent > 1.0) {
                 self.pinged = None;

@@ -188,7 +188,7 @@ fn the_longest_frames_fit_their_line() {
     ];
     for message in messages {
         let mut line = Vec::new();
-        seal(&message.to_string(), &mut line);
+        seal(&message, &mut line);
         assert!(!line.is_empty() && line.len() <= LONGEST, "{message}");
     }
 }

@@ -12,6 +12,7 @@
 //! on small corrections to a nominal survey: linear but for the residuals.
 
 mod balance;
+mod covariance;
 mod knots;
 mod motion;
 mod sight;
@@ -28,7 +29,8 @@ pub use sureness::worse;
 use super::calibration::Measured;
 use crate::geometry::{Point, Pose, Vector, angle, perp};
 use balance::{Balance, Grip};
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use covariance::Covariance;
+use nalgebra::{DVector, Matrix3, SMatrix, Vector3};
 
 /// What the gyro's drift may be before anything is known of it, radians per second (30 degrees an
 /// hour).
@@ -103,11 +105,7 @@ pub struct Survey {
     knots: Vec<Knot>,
     /// Corrections to the nominal survey: of the pose only what was not yet handed out.
     mean: DVector<f64>,
-    covariance: DMatrix<f64>,
-    /// What the steps since then make of the rows before the knots', where those meet a knot's; see
-    /// [`Survey::settle`].
-    onward: Head,
-    lags: bool,
+    covariance: Covariance,
     balance: Balance,
     /// It was told that smooth walls are smooth.
     smoothed: bool,
@@ -123,17 +121,15 @@ impl Survey {
     /// one of them.
     #[must_use]
     pub fn new(resolution: f64) -> Self {
-        let mut covariance = DMatrix::zeros(FIRST_KNOT, FIRST_KNOT);
-        covariance[(BIAS, BIAS)] = BIAS_SD * BIAS_SD;
-        covariance[(SCALE, SCALE)] = SCALE_SD * SCALE_SD;
-        covariance[(WHEELS, WHEELS)] = WHEELS_SD * WHEELS_SD;
-        covariance[(TRACK, TRACK)] = TRACK_SD * TRACK_SD;
+        let mut variances = [0.0; FIRST_KNOT];
+        variances[BIAS] = BIAS_SD * BIAS_SD;
+        variances[SCALE] = SCALE_SD * SCALE_SD;
+        variances[WHEELS] = WHEELS_SD * WHEELS_SD;
+        variances[TRACK] = TRACK_SD * TRACK_SD;
         Self {
             knots: Vec::new(),
             mean: DVector::zeros(FIRST_KNOT),
-            covariance,
-            onward: Head::identity(),
-            lags: false,
+            covariance: Covariance::new(&variances),
             balance: Balance::default(),
             smoothed: false,
             grip: Grip::default(),
@@ -187,7 +183,7 @@ impl Survey {
         // The filter knows what has to be added.
         let of = |row: usize| Measured {
             value: -self.mean[row],
-            sd: self.covariance[(row, row)].max(0.0).sqrt(),
+            sd: self.covariance.of(row, row).max(0.0).sqrt(),
         };
         SystematicErrors { drift: of(BIAS), scale: of(SCALE), wheels: of(WHEELS), track: of(TRACK) }
     }
@@ -229,7 +225,7 @@ impl Survey {
         let rows = self.relation(early, late);
         Matrix3::from_fn(|i, j| {
             let terms = rows[i].iter().flat_map(|(k, v)| {
-                rows[j].iter().map(move |(l, w)| self.covariance[(*k, *l)] * v * w)
+                rows[j].iter().map(move |(l, w)| self.covariance.of(*k, *l) * v * w)
             });
             terms.sum()
         })
@@ -262,47 +258,16 @@ impl Survey {
 
     /// The robot's gyro was started anew: its drift may be another one now.
     pub fn started_anew(&mut self) {
-        self.covariance[(BIAS, BIAS)] += BIAS_SD * BIAS_SD;
+        *self.covariance.head(BIAS, BIAS) += BIAS_SD * BIAS_SD;
     }
 
     /// The robot was lost and is found at `at`, beside what hangs on `tie`: its pose errs with that,
     /// and by `sd` more (metres, radians), whatever it was off by before.
     pub fn found(&mut self, at: Point, tie: &Tie, sd: (f64, f64)) {
-        self.settle();
-        let size = self.mean.len();
-        let rows = self.hanging(at, tie);
-        // Rows of the new pose against everything, then of the pose against itself.
-        let against = rows.each_ref().map(|row| {
-            let mut sum = DVector::zeros(size);
-            for &(other, weight) in row {
-                sum.axpy(weight, &self.covariance.column(other), 1.0);
-            }
-            sum
-        });
-        for (k, sum) in against.iter().enumerate() {
-            for other in BIAS..size {
-                self.covariance[(POSE + k, other)] = sum[other];
-                self.covariance[(other, POSE + k)] = sum[other];
-            }
-            for (l, row) in rows.iter().enumerate() {
-                self.covariance[(POSE + k, POSE + l)] =
-                    row.iter().map(|(other, weight)| sum[*other] * weight).sum();
-            }
-        }
+        self.covariance.take_place(&self.hanging(at, tie));
         for (k, sd) in [sd.0, sd.0, sd.1].into_iter().enumerate() {
-            self.covariance[(POSE + k, POSE + k)] += sd * sd;
+            *self.covariance.head(POSE + k, POSE + k) += sd * sd;
             self.mean[POSE + k] = 0.0;
-        }
-    }
-
-    /// What the errors of two rows have in common.
-    fn entry(&self, row: usize, column: usize) -> f64 {
-        match (row < FIRST_KNOT, column < FIRST_KNOT) {
-            (true, false) => {
-                (0..FIRST_KNOT).map(|k| self.onward[(row, k)] * self.covariance[(k, column)]).sum()
-            }
-            (false, true) => self.entry(column, row),
-            _ => self.covariance[(row, column)],
         }
     }
 
@@ -311,23 +276,12 @@ impl Survey {
         row.iter().map(|(i, w)| self.mean[*i] * w).sum()
     }
 
-    /// The variance of a row.
-    fn spread(&self, row: &[(usize, f64)]) -> f64 {
-        row.iter()
-            .map(|(i, v)| row.iter().map(|(j, w)| self.covariance[(*i, *j)] * v * w).sum::<f64>())
-            .sum()
-    }
-
+    /// The sum `row` of errors was measured, `innovation` off what was expected, with `variance`.
     fn update(&mut self, row: &[(usize, f64)], innovation: f64, variance: f64) {
-        debug_assert!(!self.lags, "settled first");
-        let size = self.mean.len();
-        let mut cross = DVector::zeros(size);
-        for &(index, weight) in row {
-            cross.axpy(weight, &self.covariance.column(index), 1.0);
-        }
-        let spread = row.iter().map(|(i, w)| cross[*i] * w).sum::<f64>() + variance;
-        self.mean.axpy(innovation / spread, &cross, 1.0);
-        // A rank-one downdate keeps the matrix symmetric to the last bit.
-        self.covariance.ger(-1.0 / spread, &cross, &cross, 1.0);
+        self.covariance.settle();
+        let common = self.covariance.with(row);
+        let spread = row.iter().map(|(i, w)| common[*i] * w).sum::<f64>() + variance;
+        self.mean.axpy(innovation / spread, &common, 1.0);
+        self.covariance.measured(&common, spread);
     }
 }

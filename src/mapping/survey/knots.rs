@@ -41,22 +41,8 @@ impl Hung {
 impl Survey {
     /// Keeps the error of the pose, believed to be at `at`, as a knot; returns what to tie to it.
     pub fn mark(&mut self, at: Point, time_us: u64) -> Tie {
-        self.settle();
         let size = self.mean.len();
-        let mut covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
-        for k in 0..3 {
-            for other in 0..size {
-                let value = covariance[(k, other)];
-                covariance[(size + k, other)] = value;
-                covariance[(other, size + k)] = value;
-            }
-        }
-        for k in 0..3 {
-            for l in 0..3 {
-                covariance[(size + k, size + l)] = covariance[(k, l)];
-            }
-        }
-        self.covariance = covariance;
+        self.covariance.repeat();
         let pose = [self.mean[0], self.mean[1], self.mean[2]];
         self.mean =
             std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);

@@ -2,9 +2,8 @@
 //! so where wheels and gyro can be weighed against each other.
 
 use super::balance::Load;
-use super::{AGAINST, BIAS, FIRST_KNOT, GATE, Head, POSE, SCALE, Step, Survey, TRACK, WHEELS};
+use super::{AGAINST, BIAS, GATE, POSE, SCALE, Step, Survey, TRACK, WHEELS};
 use crate::geometry::Vector;
-use nalgebra::SVector;
 
 /// Angle random walk of the gyro, radians per root second (0.05 degrees, MPU-6050 class).
 pub const HEADING_WALK: f64 = 8.727e-4;
@@ -21,7 +20,7 @@ pub const ASIDE: f64 = 0.0007;
 
 /// What a step makes of the errors that change while the robot drives: those of the pose, and of what
 /// the wheels turned more than the gyro.
-struct Onward {
+pub(super) struct Onward {
     moved: Vector,
     seconds: f64,
     turned: f64,
@@ -30,15 +29,15 @@ struct Onward {
 
 impl Onward {
     /// The rows that change.
-    const ROWS: [usize; 4] = [POSE, POSE + 1, POSE + 2, AGAINST];
+    pub(super) const ROWS: [usize; 4] = [POSE, POSE + 1, POSE + 2, AGAINST];
 
-    fn over(step: &Step) -> Self {
+    pub(super) fn over(step: &Step) -> Self {
         let moved = step.to.position - step.from.position;
         Self { moved, seconds: step.seconds, turned: step.turned(), ahead: step.ahead() }
     }
 
     /// The changed rows of what `old` tells row by row.
-    fn apply(&self, old: impl Fn(usize) -> f64) -> [f64; 4] {
+    pub(super) fn apply(&self, old: impl Fn(usize) -> f64) -> [f64; 4] {
         let (moved, heading) = (self.moved, old(POSE + 2));
         // Drift over the step turns the heading, and half of it the way.
         let drift = self.seconds * old(BIAS) + self.turned * old(SCALE);
@@ -65,32 +64,14 @@ impl Survey {
         }
     }
 
-    /// Brings what the knots' errors have in common with those of the pose up to the last step. Each step
-    /// changes a few rows of that by the same rule, so that many can be taken at once.
-    pub(super) fn settle(&mut self) {
-        if !std::mem::take(&mut self.lags) {
-            return;
-        }
-        let onward = std::mem::replace(&mut self.onward, Head::identity());
-        for knot in FIRST_KNOT..self.mean.len() {
-            let old = SVector::<f64, FIRST_KNOT>::from_fn(|k, _| self.covariance[(k, knot)]);
-            let new = onward * old;
-            for row in Onward::ROWS {
-                self.covariance[(row, knot)] = new[row];
-                self.covariance[(knot, row)] = new[row];
-            }
-        }
-    }
-
     /// Weighs what the wheels say of the turns since they were weighed last against the gyro.
     fn weigh(&mut self, load: &Load) {
-        self.settle();
         let row = [(AGAINST, 1.0)];
         // Two wheels, each rounded to a tick.
         let rounding = self.resolution * self.resolution / 6.0;
         let innovation = load.against - self.expected(&row);
-        self.covariance[(AGAINST, AGAINST)] += load.scrub();
-        let spread = self.spread(&row) + rounding;
+        *self.covariance.head(AGAINST, AGAINST) += load.scrub();
+        let spread = self.covariance.spread(&row) + rounding;
         let wander = self.grip.wander() * load.length;
         let walk = HEADING_WALK * HEADING_WALK * load.seconds;
         if load.scrub() < UNTURNED * UNTURNED {
@@ -99,53 +80,36 @@ impl Survey {
         let square = innovation * innovation;
         // A slip says nothing of the heading; what comes after it does again.
         let slip = if square < GATE * GATE * (spread + wander) { 0.0 } else { square };
-        self.covariance[(AGAINST, AGAINST)] += wander + slip;
+        *self.covariance.head(AGAINST, AGAINST) += wander + slip;
         self.update(&row, innovation, rounding);
     }
 
     /// Spreads the errors over a step.
     fn drift(&mut self, step: &Step) {
         let onward = Onward::over(step);
-        for column in 0..FIRST_KNOT {
-            let new = onward.apply(|k| self.covariance[(k, column)]);
-            for (row, value) in Onward::ROWS.into_iter().zip(new) {
-                self.covariance[(row, column)] = value;
-            }
-            let new = onward.apply(|k| self.onward[(k, column)]);
-            for (row, value) in Onward::ROWS.into_iter().zip(new) {
-                self.onward[(row, column)] = value;
-            }
-        }
-        for row in 0..FIRST_KNOT {
-            let new = onward.apply(|k| self.covariance[(row, k)]);
-            for (column, value) in Onward::ROWS.into_iter().zip(new) {
-                self.covariance[(row, column)] = value;
-            }
-        }
+        self.covariance.step(&onward);
         let new = onward.apply(|k| self.mean[k]);
         for (row, value) in Onward::ROWS.into_iter().zip(new) {
             self.mean[row] = value;
         }
-        self.lags = true;
         let (moved, seconds) = (onward.moved, step.seconds);
         let length = step.length();
         let along = STRIDE_SHARE * STRIDE_SHARE * step.strides() + ALONG * ALONG * length;
         let along = if length > 0.0 { along / (length * length) } else { 0.0 };
         let aside = ASIDE * ASIDE * length;
         let walk = HEADING_WALK * HEADING_WALK * self.grip.walk() * seconds;
-        self.covariance[(0, 0)] += along * moved.x * moved.x + aside;
-        self.covariance[(1, 1)] += along * moved.y * moved.y + aside;
-        self.covariance[(0, 1)] += along * moved.x * moved.y;
-        self.covariance[(1, 0)] += along * moved.x * moved.y;
+        *self.covariance.head(0, 0) += along * moved.x * moved.x + aside;
+        *self.covariance.head(1, 1) += along * moved.y * moved.y + aside;
+        *self.covariance.head(0, 1) += along * moved.x * moved.y;
+        *self.covariance.head(1, 0) += along * moved.x * moved.y;
         for (row, column) in [(2, 2), (2, AGAINST), (AGAINST, 2), (AGAINST, AGAINST)] {
-            self.covariance[(row, column)] += walk;
+            *self.covariance.head(row, column) += walk;
         }
     }
 
     /// The gyro was seen to drift at `rate` (radians per second, beyond what was taken out) while the
     /// robot stood still for `seconds`.
     pub fn rest(&mut self, seconds: f64, rate: f64) {
-        self.settle();
         let row = [(BIAS, 1.0)];
         let innovation = -rate - self.mean[BIAS];
         self.update(&row, innovation, HEADING_WALK * HEADING_WALK * self.grip.walk() / seconds);

@@ -74,7 +74,6 @@ impl Survey {
     /// with `normal` and `right`, the normal equations of (x, y, heading); directions that they say
     /// nothing of stay as they are.
     pub fn close(&mut self, early: &Tie, late: &Tie, normal: &Matrix3<f64>, right: &Vector3<f64>) {
-        self.settle();
         let rows = self.relation(early, late);
         let eigen = normal.symmetric_eigen();
         for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
@@ -95,7 +94,7 @@ impl Survey {
     /// Takes a contact at `contact`, seen from `pose`, that should lie on `surface`; returns the
     /// corrected pose, or none when it is too far off to be that surface.
     pub fn touch(&mut self, pose: Pose, contact: Point, surface: &Surface) -> Option<Pose> {
-        self.settle();
+        self.covariance.settle();
         let normal = surface.normal;
         let arm = contact - pose.position;
         let mut row =
@@ -104,7 +103,7 @@ impl Survey {
         let off = normal.dot(&(contact - surface.at)) + self.expected(&row);
         row.extend(self.across(surface, normal, -1.0));
         let variance = CONTACT_SD.max(surface.sd).powi(2);
-        let spread = self.spread(&row) + variance;
+        let spread = self.covariance.spread(&row) + variance;
         if off * off > GATE * GATE * spread || off.abs() > surface.within {
             return None;
         }
@@ -134,17 +133,16 @@ impl Survey {
     pub fn between(&self, one: &Surface, other: &Surface) -> f64 {
         let mut row = self.across(one, one.normal, 1.0).to_vec();
         row.extend(self.across(other, one.normal, -1.0));
-        self.spread(&row)
+        self.covariance.spread(&row)
     }
 
     /// Moves `far` away from `near` along the normal of that, `by` so many metres, which is as sure as `near`.
     pub fn part(&mut self, near: &Surface, far: &Surface, by: f64) {
-        self.settle();
         let mut row = self.across(far, near.normal, 1.0).to_vec();
         row.extend(self.across(near, near.normal, -1.0));
         let innovation = by - self.expected(&row);
         let variance = near.sd * near.sd;
-        if innovation * innovation < GATE * GATE * (self.spread(&row) + variance) {
+        if innovation * innovation < GATE * GATE * (self.covariance.spread(&row) + variance) {
             self.update(&row, innovation, variance);
         }
     }
@@ -171,14 +169,10 @@ impl Survey {
     /// Lays all of `looks` on one surface that is itself unknown. Looks that cannot be of it at all
     /// are passed over.
     pub fn lay(&mut self, looks: &[Look]) {
-        self.settle();
         let size = self.mean.len();
-        self.covariance = std::mem::take(&mut self.covariance).resize(size + 3, size + 3, 0.0);
+        self.covariance.extend(SURFACE_SD * SURFACE_SD);
         self.mean =
             std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size + 3, 0.0);
-        for k in 0..3 {
-            self.covariance[(size + k, size + k)] = SURFACE_SD * SURFACE_SD;
-        }
         for look in looks {
             let mut row: Vec<(usize, f64)> = Vec::with_capacity(9);
             for (index, weights) in [look.tie.0, look.tie.1].into_iter().zip(look.knots) {
@@ -188,12 +182,12 @@ impl Survey {
             row.extend(look.surface.into_iter().enumerate().map(|(k, w)| (size + k, -w)));
             let predicted = self.expected(&row);
             let innovation = -look.off - predicted;
-            let spread = self.spread(&row) + look.variance;
+            let spread = self.covariance.spread(&row) + look.variance;
             if innovation * innovation < GATE * GATE * spread {
                 self.update(&row, innovation, look.variance);
             }
         }
-        self.covariance = std::mem::take(&mut self.covariance).resize(size, size, 0.0);
+        self.covariance.shorten();
         self.mean =
             std::mem::replace(&mut self.mean, DVector::zeros(0)).resize_vertically(size, 0.0);
     }

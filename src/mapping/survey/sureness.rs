@@ -30,7 +30,7 @@ impl Survey {
         Matrix3::from_fn(|i, j| {
             let terms =
                 rows[i].iter().flat_map(|(k, v)| rows[j].iter().map(move |(l, w)| (*k, *l, v * w)));
-            terms.map(|(k, l, weight)| self.entry(k, l) * weight).sum()
+            terms.map(|(k, l, weight)| self.covariance.of(k, l) * weight).sum()
         })
     }
 
@@ -56,7 +56,7 @@ impl Survey {
     }
 
     fn worst(&self, row: usize) -> f64 {
-        worse(&self.covariance.fixed_view::<2, 2>(row, row).into_owned())
+        worse(&Matrix2::from_fn(|i, j| self.covariance.of(row + i, row + j)))
     }
 
     /// Covariance of the place `point` that hangs on `tie`, x and y, square metres.
@@ -65,7 +65,7 @@ impl Survey {
         let rows = self.hanging(point, tie);
         Matrix2::from_fn(|i, j| {
             let terms = rows[i].iter().flat_map(|(k, v)| {
-                rows[j].iter().map(move |(l, w)| self.covariance[(*k, *l)] * v * w)
+                rows[j].iter().map(move |(l, w)| self.covariance.of(*k, *l) * v * w)
             });
             terms.sum()
         })
@@ -74,7 +74,7 @@ impl Survey {
     /// One standard deviation of the heading, radians.
     #[must_use]
     pub fn heading_sd(&self) -> f64 {
-        self.covariance[(POSE + 2, POSE + 2)].max(0.0).sqrt()
+        self.covariance.of(POSE + 2, POSE + 2).max(0.0).sqrt()
     }
 }
 

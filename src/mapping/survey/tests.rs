@@ -71,8 +71,8 @@ fn a_contact_that_cannot_be_of_the_surface_is_refused() {
         Surface { at, normal: Vector::new(-1.0, 0.0), tie: origin, sd: 0.002, within: 0.15 };
     let mut before = survey.clone();
     assert_eq!(survey.touch(pose, contact, &surface), None);
-    survey.settle();
-    before.settle();
+    survey.covariance.settle();
+    before.covariance.settle();
     assert_eq!(survey, before);
 }
 
@@ -146,7 +146,7 @@ fn a_pose_is_loose_beside_what_was_mapped_long_ago_though_not_beside_what_it_has
     assert!(loose > 0.035, "{loose}");
     // It is the same asked before the knots were brought up to date, and after.
     let spread = survey.spread_beside(far, &wall);
-    survey.settle();
+    survey.covariance.settle();
     assert!((survey.spread_beside(far, &wall) - spread).norm() < 1e-12);
 }
 

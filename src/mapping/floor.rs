@@ -102,6 +102,21 @@ impl Floor {
         wall.min(self.object_clearance_within(p, wall.abs()))
     }
 
+    /// Whether [`Floor::clearance`] is at least `least`, a positive number of metres: most often the raster tells.
+    #[must_use]
+    pub fn keeps(&self, p: Point, least: f64) -> bool {
+        let (low, high) = self.bounds(p);
+        high >= least && (low >= least || self.clearance(p) >= least)
+    }
+
+    /// Between which two figures [`Floor::clearance`] lies where it is positive, metres, as far as the raster
+    /// knows; where it is not, it is no more than the second.
+    fn bounds(&self, p: Point) -> (f64, f64) {
+        let (cell, off) = self.nearest_cell(p);
+        let (known, off) = (f64::from(self.free[cell]), off + ROUNDED + COARSE);
+        (known - off, known + off)
+    }
+
     /// Distance from `p` to the boundary alone, metres; negative outside.
     #[must_use]
     pub fn wall_clearance(&self, p: Point) -> f64 {
@@ -268,6 +283,31 @@ mod tests {
             let got = floor.clearance(Point::new(x, y));
             assert!((got - want).abs() < 1e-9, "{got} instead of {want} at {x}, {y}");
         }
+    }
+
+    #[test]
+    fn what_keeps_a_clearance_has_it() {
+        let column = Ring::circle(Point::new(0.7, 1.9), 0.15);
+        let through_the_wall = rooms::boxed(2.5, -0.2, 3.0, 0.4);
+        let solids = [&rooms::boxed(1.0, 1.0, 1.4, 1.3), &column, &through_the_wall];
+        let floor = rooms::floor(&rooms::ell(), &solids);
+        let mut kept = 0;
+        for k in 0..40_000_u32 {
+            // Places all over the room and beyond it, and clearances round that of each.
+            let p =
+                Point::new(f64::from(k % 200) * 0.0231 - 0.3, f64::from(k / 200) * 0.0177 - 0.3);
+            let clearance = floor.clearance(p);
+            let near = (clearance + 0.004 * (f64::from(k % 7) - 3.0)).max(0.01);
+            for least in [near, 0.1, 0.16] {
+                assert_eq!(
+                    floor.keeps(p, least),
+                    clearance >= least,
+                    "{least} at {p}: {clearance}"
+                );
+                kept += u32::from(clearance >= least);
+            }
+        }
+        assert!((10_000..110_000).contains(&kept), "{kept}");
     }
 
     #[test]

@@ -71,9 +71,9 @@ impl Floor {
         // difference there is a gap.
         let steps = (2.0 * (self.half_gap - self.radius) / self.grid.cell).ceil() as usize;
         // Beside what is wide there is less than of it.
-        let beside =
-            |&k: &usize| !sent[k] && self.free[k] >= body && around(k).any(|near| sent[near]);
-        let mut rim: Vec<usize> = (0..sent.len()).filter(beside).collect();
+        let left = sent.iter().zip(&self.free).map(|(&sent, &free)| !sent && free >= body);
+        let left = left.enumerate().filter_map(|(k, is_left)| is_left.then_some(k));
+        let mut rim: Vec<usize> = left.filter(|&k| around(k).any(|near| sent[near])).collect();
         for _ in 0..steps {
             for &k in &rim {
                 sent[k] = true;
@@ -124,19 +124,17 @@ fn fill_run(
 ) -> Range<usize> {
     let row = cell / grid.width * grid.width;
     let (mut first, mut end) = (cell, cell + 1);
-    while first > row && open[first - 1] {
-        first -= 1;
-    }
-    while end < row + grid.width && open[end] {
-        end += 1;
-    }
+    first -= open[row..first].iter().rev().take_while(|&&open| open).count();
+    end += open[end..row + grid.width].iter().take_while(|&&open| open).count();
     found[first..end].fill(true);
     let below = row.checked_sub(grid.width);
     let above = (row + grid.width < open.len()).then_some(row + grid.width);
     for other in [below, above].into_iter().flatten() {
+        let beside = other + (first - row)..other + (end - row);
         let mut inside = false;
-        for k in other + (first - row)..other + (end - row) {
-            let fresh = open[k] && !found[k];
+        let cells = open[beside.clone()].iter().zip(&found[beside.clone()]);
+        for (k, (&open, &found)) in beside.zip(cells) {
+            let fresh = open && !found;
             if fresh && !inside {
                 stack.push(k);
             }

@@ -82,9 +82,12 @@ impl Floor {
         let mut best: Option<(Point, f64)> = None;
         for direction in super::hidden::DIRECTIONS {
             let next = at + direction * step;
-            let clearance = self.clearance(next);
-            if clearance > best.map_or(here + 0.1 * step, |(_, most)| most) {
-                best = Some((next, clearance));
+            let least = best.map_or(here + 0.1 * step, |(_, most)| most);
+            if self.bounds(next).1 > least {
+                let clearance = self.clearance(next);
+                if clearance > least {
+                    best = Some((next, clearance));
+                }
             }
         }
         best

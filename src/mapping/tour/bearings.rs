@@ -160,7 +160,7 @@ fn corners(outline: &Ring, contacts: &[Contact], floor: &Floor, radius: f64) -> 
             let (n, m) = (perp(first), perp(second));
             let at = after.from() + (n + m) * ((radius + GAP) / (1.0 + n.dot(&m)));
             let room = radius + GAP - 0.01;
-            if !floor.is_drivable(at) || floor.clearance(at) < room {
+            if !floor.is_drivable(at) || !floor.keeps(at, room) {
                 return None;
             }
             let (way, length, walls) = if after.length() > before.length() {

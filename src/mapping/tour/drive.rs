@@ -171,7 +171,7 @@ impl Drive {
     /// The next stretch, from what is done on, in which the body has `clearance`: metres along.
     pub(super) fn free_piece(&self, floor: &Floor, clearance: f64) -> Option<(f64, f64)> {
         if let Some(spot) = self.spot() {
-            let is_free = floor.clearance(spot) >= clearance;
+            let is_free = floor.keeps(spot, clearance);
             return (self.is_fresh() && is_free).then_some((0.0, 0.001));
         }
         let length = (self.to - self.from).norm();
@@ -182,7 +182,7 @@ impl Drive {
             if along + 1e-9 < self.done {
                 continue;
             }
-            if floor.clearance(self.at(along)) >= clearance {
+            if floor.keeps(self.at(along), clearance) {
                 piece = Some((piece.map_or(along, |(begin, _)| begin), along));
             } else if piece.is_some_and(|(begin, end)| end - begin > 0.03) {
                 return piece;
@@ -208,7 +208,7 @@ pub(super) fn best_chord(
             let most = (diameter * 30.0) as i32;
             (0..=most)
                 .map(|step| at + direction * (sign * f64::from(step) * 0.02))
-                .take_while(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
+                .take_while(|p| floor.is_drivable(*p) && floor.keeps(*p, clearance))
                 .last()
         };
         if let (Some(a), Some(b)) = (reach(-1.0), reach(1.0))
@@ -223,7 +223,7 @@ pub(super) fn best_chord(
             (0..24).map(move |k| at + angle::unit(f64::from(k) * 0.2618) * (f64::from(ring) * 0.01))
         });
         ring.into_iter()
-            .find(|p| floor.is_drivable(*p) && floor.clearance(*p) >= clearance)
+            .find(|p| floor.is_drivable(*p) && floor.keeps(*p, clearance))
             .map(|p| (p, p))
     })
 }

@@ -123,7 +123,7 @@ fn span(
     let most = (FARTHEST / 0.02) as u32;
     let length = (0..most)
         .map(|k| f64::from(k) * 0.02)
-        .take_while(|s| floor.clearance(at + along * *s) >= radius + ROOM - 0.005)
+        .take_while(|s| floor.keeps(at + along * *s, radius + ROOM - 0.005))
         .last()?;
     let end = at + along * length;
     if !floor.is_drivable(at) || !floor.is_drivable(end) {

@@ -49,6 +49,7 @@ pub struct Decoder {
 
 impl Decoder {
     /// Takes one byte.
+    #[inline]
     pub fn push(&mut self, byte: u8) -> Option<Item> {
         match byte {
             STOP => {

@@ -58,7 +58,8 @@ fn larger(a: f32, b: f32) -> f32 {
 /// What is left in a small block is measured from every cell.
 #[must_use]
 pub fn squared_distances(grid: &Grid, segments: &[Segment]) -> Vec<f32> {
-    let mut field = Nearest { grid, segments, squared: vec![f32::INFINITY; grid.len()] };
+    let rulers = segments.iter().map(|segment| Ruler::new(grid, segment)).collect();
+    let mut field = Nearest { grid, segments, rulers, squared: vec![f32::INFINITY; grid.len()] };
     let mut stack: Vec<u32> = (0..segments.len() as u32).collect();
     if !stack.is_empty() {
         let whole = Block { x: 0, y: 0, width: grid.width, height: grid.height };
@@ -71,6 +72,7 @@ pub fn squared_distances(grid: &Grid, segments: &[Segment]) -> Vec<f32> {
 struct Nearest<'a> {
     grid: &'a Grid,
     segments: &'a [Segment],
+    rulers: Vec<Ruler<'a>>,
     squared: Vec<f32>,
 }
 
@@ -119,7 +121,7 @@ impl Nearest<'_> {
 
     fn measure(&mut self, block: &Block, candidates: &[u32]) {
         for &number in candidates {
-            let ruler = Ruler::new(self.grid, &self.segments[number as usize]);
+            let ruler = &self.rulers[number as usize];
             for y in block.y..block.y + block.height {
                 let begin = y * self.grid.width + block.x;
                 let cells = &mut self.squared[begin..begin + block.width];

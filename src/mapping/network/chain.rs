@@ -211,6 +211,18 @@ fn add_row(whole: &mut DMatrix<f64>, row: usize, column: usize, term: &State) {
     }
 }
 
+/// Takes the products of the columns of two off the lower triangle of `left`.
+fn take_off(left: &mut DMatrix<f64>, one: &Wide, other: &Wide) {
+    let (ones, others) =
+        (one.as_slice().as_chunks::<STATE>().0, other.as_slice().as_chunks::<STATE>().0);
+    let size = left.nrows();
+    for (k, (column, other)) in left.as_mut_slice().chunks_exact_mut(size).zip(others).enumerate() {
+        for (entry, one) in column[k..].iter_mut().zip(&ones[k..]) {
+            *entry -= one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        }
+    }
+}
+
 /// What was eliminated of one state: the inverse of its own block, and what it had in common with the next
 /// state and with the outside, and its right-hand side, all of that times the inverse.
 #[derive(Debug, Clone)]
@@ -227,7 +239,7 @@ struct Piece {
     /// Rows of the outside in the whole: those of the cut before, then of the border it meets.
     rows: Vec<usize>,
     gone: Vec<Gone>,
-    /// What is left on the outside.
+    /// What is left on the outside, its lower triangle.
     left: DMatrix<f64>,
     left_right: DVector<f64>,
     /// What is left on the cut after: its own, with the outside, and its right-hand side.
@@ -277,7 +289,7 @@ impl Piece {
             let next = nodes[index + 1].before;
             let outside_gone = inverse * &with;
             let right_gone = inverse * right;
-            left.gemm_tr(-1.0, &with, &outside_gone, 1.0);
+            take_off(&mut left, &with, &outside_gone);
             left_right.gemv_tr(-1.0, &outside_gone, &right, 1.0);
             let next_gone = inverse * next.transpose();
             // On to the next state.

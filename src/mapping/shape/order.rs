@@ -123,9 +123,10 @@ impl Lifted {
         (planar + opposite).sqrt()
     }
 
-    /// Whether the two are surely `limit` or more apart: in the plane alone, which is told without a root.
-    fn is_beyond(&self, other: &Self, limit: f64) -> bool {
-        (self.point - other.point).norm_squared() >= limit * limit
+    /// Whether the two are surely as far apart as the root of `square`, or farther: in the plane alone, which is told
+    /// without a root.
+    fn is_beyond(&self, other: &Self, square: f64) -> bool {
+        (self.point - other.point).norm_squared() >= square
     }
 }
 
@@ -192,7 +193,7 @@ fn reverse_stretches(way: &mut [Lifted], window: usize, changes: &mut Changes) -
         }
         let before = way[i].distance(&way[i + 1]);
         for k in i + 2..end {
-            if way[i].is_beyond(&way[k], before) {
+            if way[i].is_beyond(&way[k], before * before) {
                 continue;
             }
             let joined = way[i].distance(&way[k]);
@@ -243,22 +244,23 @@ fn move_stretch(
         return None;
     }
     let mut best = (gain - 1e-7, None);
-    let places =
-        |places: Range<usize>| places.clone().zip(way[places.start..=places.end].windows(2));
-    for (k, two) in places(low..(at - 1).max(low)).chain(places(at + length..high)) {
-        let (left, right) = (&two[0], &two[1]);
-        if left.is_beyond(&head, best.0) && left.is_beyond(&tail, best.0) {
-            continue;
-        }
-        let (to_head, to_tail) = (left.distance(&head), left.distance(&tail));
-        if to_head >= best.0 && to_tail >= best.0 {
-            continue;
-        }
-        let open = left.distance(right);
-        let straight = to_head + tail.distance(right) - open;
-        let turned = to_tail + head.distance(right) - open;
-        if straight.min(turned) < best.0 {
-            best = (straight.min(turned), Some((k, turned < straight)));
+    for places in [low..(at - 1).max(low), at + length..high] {
+        for (k, two) in places.clone().zip(way[places.start..=places.end].windows(2)) {
+            let (left, right) = (&two[0], &two[1]);
+            let square = best.0 * best.0;
+            if left.is_beyond(&head, square) && left.is_beyond(&tail, square) {
+                continue;
+            }
+            let (to_head, to_tail) = (left.distance(&head), left.distance(&tail));
+            if to_head >= best.0 && to_tail >= best.0 {
+                continue;
+            }
+            let open = left.distance(right);
+            let straight = to_head + tail.distance(right) - open;
+            let turned = to_tail + head.distance(right) - open;
+            if straight.min(turned) < best.0 {
+                best = (straight.min(turned), Some((k, turned < straight)));
+            }
         }
     }
     let (k, turned) = best.1?;
@@ -279,18 +281,17 @@ fn insert_edges(surface: &mut Vec<Contact>, edges: &[Contact]) {
     if count == 0 {
         return;
     }
-    let lifted: Vec<Lifted> = surface.iter().enumerate().map(Lifted::of).collect();
+    let mut lifted: Vec<Lifted> = surface.iter().enumerate().map(Lifted::of).collect();
+    lifted.push(lifted[0]);
+    let steps: Vec<f64> = lifted.windows(2).map(|two| two[0].distance(&two[1])).collect();
     let mut places: Vec<(usize, Contact)> = edges
         .iter()
         .map(|edge| {
             let here = Lifted::of((count, edge));
-            let detour = |k: usize| {
-                let next = (k + 1) % count;
-                lifted[k].distance(&here) + here.distance(&lifted[next])
-                    - lifted[k].distance(&lifted[next])
-            };
-            let place = (0..count).min_by(|&a, &b| detour(a).total_cmp(&detour(b)));
-            (place.unwrap_or(0), *edge)
+            let off: Vec<f64> = lifted.iter().map(|contact| contact.distance(&here)).collect();
+            let detours = off.windows(2).zip(&steps).map(|(two, step)| two[0] + two[1] - step);
+            let place = detours.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            (place.map_or(0, |(place, _)| place), *edge)
         })
         .collect();
     places.sort_by_key(|place| place.0);

@@ -17,6 +17,10 @@ const UNDER: f64 = 0.04;
 const AROUND: f64 = 1.1;
 /// Places where the body has been are kept this far apart, metres.
 const TRAIL: f64 = 0.02;
+/// The way is gone through in steps that turn by no more than this, radians, ...
+const TURN: f64 = 0.2;
+/// ... and lead no farther than this, metres.
+const PACE: f64 = 0.02;
 
 /// Where the body has been of late.
 #[derive(Debug, Clone, Default)]
@@ -58,7 +62,7 @@ impl Wall {
         });
         let turned = angle::wrap(pose.heading - from.heading);
         let moved = pose.position - from.position;
-        let steps = ((turned.abs() / 0.2).ceil().max((moved.norm() / 0.02).ceil()) as u32).max(1);
+        let steps = ((turned.abs() / TURN).ceil().max((moved.norm() / PACE).ceil()) as u32).max(1);
         let mut previous = from;
         for k in 1..=steps {
             let share = f64::from(k) / f64::from(steps);
@@ -96,6 +100,10 @@ impl Wall {
             }
             let near_rim = self.radius - 0.002;
             let before = local(from.position, facing.0, seen.point);
+            // From one side of a beam to the other a step takes nothing that lies farther off than this.
+            if before.norm() > far + PACE + 2.0 * TURN * self.reach {
+                continue;
+            }
             let after = local(to.position, facing.1, seen.point);
             for (sensor, &ray) in self.rays.iter().enumerate() {
                 if closed.has(sensor) {

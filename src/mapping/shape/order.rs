@@ -316,6 +316,34 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_looked_at_again_could_not_be_bettered() {
+        // Contacts of a long wall and back along the next one, out of order by chance.
+        let mut seed: u32 = 5;
+        let mut chance = |most: u32| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 16) % most
+        };
+        for stray in [2, 9, 40] {
+            let mut contacts: Vec<Contact> = (0..300)
+                .map(|k| {
+                    let along = f64::from(k) * 0.03;
+                    let off = f64::from(chance(10)) * 0.002;
+                    if k < 150 { seen(along, off, 1.0) } else { seen(9.0 - along, 0.4 + off, -1.0) }
+                })
+                .collect();
+            for k in 0..contacts.len() {
+                let other = (k + chance(stray) as usize).min(contacts.len() - 1);
+                contacts.swap(k, other);
+            }
+            let lifted = contacts.iter().enumerate().map(Lifted::of).collect();
+            let mut way = shortened(lifted, &[64]);
+            let mut everywhere = Changes::new(way.len());
+            let reversed = reverse_stretches(&mut way, 64, &mut everywhere);
+            assert!(!reversed && !move_stretches(&mut way, 64, &mut everywhere), "{stray} places");
+        }
+    }
+
+    #[test]
     fn the_lap_of_a_thin_wall_does_not_end_on_its_other_face() {
         // Round a board of 1 m by 20 mm, from the middle of its upper face clockwise; the contact next to
         // the first lies farther from it than the other face does.

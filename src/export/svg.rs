@@ -139,16 +139,29 @@ fn heading(
     (out, y + 4.0)
 }
 
-/// `text` in as many lines as it takes, each at most `widest` pixels wide.
+/// `text` in as many lines as it takes, each at most `widest` pixels wide. A number stays with its unit: a phrase
+/// goes on in the next line only where it is wider than a line itself.
 fn wrapped(text: &str, widest: f64, height: f64) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
+    let fits = |line: &str| super::strokes::width(line, height) <= widest;
+    let mut phrases: Vec<String> = Vec::new();
     for word in text.split(' ') {
-        let longer = lines.last().map(|line| format!("{line} {word}"));
-        match (longer, lines.last_mut()) {
-            (Some(longer), Some(line)) if super::strokes::width(&longer, height) <= widest => {
-                *line = longer;
+        match phrases.last_mut() {
+            Some(phrase) if !phrase.ends_with([',', ';', ':', '·']) => {
+                phrase.push(' ');
+                phrase.push_str(word);
             }
-            _ => lines.push(shortened(word, widest, height)),
+            _ => phrases.push(word.to_owned()),
+        }
+    }
+    let parts = phrases.iter().flat_map(|phrase| {
+        if fits(phrase) { vec![phrase.as_str()] } else { phrase.split(' ').collect() }
+    });
+    let mut lines: Vec<String> = Vec::new();
+    for part in parts {
+        let longer = lines.last().map(|line| format!("{line} {part}"));
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(line)) if fits(&longer) => *line = longer,
+            _ => lines.push(shortened(part, widest, height)),
         }
     }
     lines

@@ -233,6 +233,14 @@ fn a_figure_that_is_wider_than_the_picture_goes_on_in_the_next_line() {
     let widest = lines.iter().map(|line| crate::export::strokes::width(line, FIGURES.height));
     assert!(widest.fold(0.0, f64::max) <= 200.0);
     assert_eq!(wrapped("short", 200.0, FIGURES.height), ["short"]);
+    for widest in 120..400 {
+        let lines = wrapped(text, f64::from(widest), FIGURES.height);
+        let torn = lines.iter().any(|line| line.starts_with("mm") || line.ends_with('±'));
+        assert!(!torn, "{lines:?}");
+    }
+    // A phrase that no line holds is torn all the same.
+    let long = "so many words that belong together that no line is wide enough for them";
+    assert_eq!(wrapped(long, 200.0, FIGURES.height).join(" "), long);
 }
 
 #[test]

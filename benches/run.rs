@@ -1,10 +1,10 @@
 //! Whole runs: how many simulated seconds of the flat, mapped from the first motion to the written map, one second
 //! of one core holds. `cargo bench --bench run`, about twenty seconds; the best of three runs of each seed.
 
+use periplus::runtime::Stopwatch;
 use std::error::Error;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Instant;
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/flat.toml");
 const SEEDS: u32 = 5;
@@ -31,7 +31,7 @@ fn measure(folder: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
         let (mut best, mut simulated) = (f64::INFINITY, 0.0);
         for run in 0..RUNS {
             let out = folder.join(format!("{seed}-{run}"));
-            let begun = Instant::now();
+            let watch = Stopwatch::start();
             let status = Command::new(env!("CARGO_BIN_EXE_periplus"))
                 .args(["run", "--world", WORLD, "--noise", "calibrated", "--plan", "lean"])
                 .args(["--alpha", "0.25", "--seed", &seed.to_string(), "--out"])
@@ -39,7 +39,7 @@ fn measure(folder: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
                 .stdout(Stdio::null())
                 .stderr(Stdio::null())
                 .status()?;
-            best = best.min(begun.elapsed().as_secs_f64());
+            best = best.min(watch.seconds());
             if !status.success() {
                 return Err(format!("the run of seed {seed} ended with {status}").into());
             }

@@ -91,18 +91,16 @@ impl Frame {
             Point::new(x, y)
         };
         let points: Vec<Point> = points.into_iter().map(on_sheet).collect();
-        let at = |k: usize| points[k];
-        let ends = points.len().checked_sub(1).map(|last| (0, last));
-        let kept = ends.into_iter().flat_map(|ends| {
-            let others = (ends.1 > 0).then(|| thin::kept(&at, ends, UNSEEN));
-            std::iter::once(0).chain(others.into_iter().flatten())
-        });
-        kept.fold(String::new(), |mut out, k| {
-            let (command, Point { coords }) = (if k == 0 { 'M' } else { 'L' }, at(k));
-            // Writing to a string cannot fail.
-            let _ = write!(out, "{command}{:.1} {:.1}", coords.x, coords.y);
-            out
-        })
+        let Some(first) = points.first() else { return String::new() };
+        let mut out = format!("M{:.1} {:.1}", first.x, first.y);
+        if points.len() > 1 {
+            let at = |k: usize| points[k];
+            for k in thin::kept(&at, (0, points.len() - 1), UNSEEN) {
+                // Writing to a string cannot fail.
+                let _ = write!(out, "L{:.1} {:.1}", points[k].x, points[k].y);
+            }
+        }
+        out
     }
 
     fn start(&self, point: Point) -> String {

@@ -1,4 +1,5 @@
-//! A line through many points with few of them: the rule of Douglas and Peucker (1973).
+//! A line through many points with few of them: the rule of Douglas and Peucker (1973). Keeps the ends, and knows
+//! neither what the points stand for nor whether the line crosses itself.
 
 use super::Point;
 

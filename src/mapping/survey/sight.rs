@@ -94,6 +94,7 @@ impl Survey {
     /// Takes a contact at `contact`, seen from `pose`, that should lie on `surface`; returns the
     /// corrected pose, or none when it is too far off to be that surface.
     pub fn touch(&mut self, pose: Pose, contact: Point, surface: &Surface) -> Option<Pose> {
+        // Once, and not for each two of the rows.
         self.covariance.settle();
         let normal = surface.normal;
         let arm = contact - pose.position;

@@ -2,6 +2,7 @@
 //! against while the robot drives.
 
 use super::{Floor, HiddenDisc, Unswept};
+use crate::geometry::raster::{Grid, squared_distances};
 use crate::geometry::{Point, Segment, Vector, cross};
 
 /// A path driven is kept as straight segments that stray no more than this from it, metres.
@@ -12,6 +13,23 @@ const STRAIGHT: f64 = 0.001;
 pub struct Coverage {
     segments: Vec<Segment>,
     run: Option<Run>,
+    measured: Option<Measured>,
+}
+
+/// How far the cells of a raster are from where the centre had been when somebody last asked.
+#[derive(Debug, Clone)]
+struct Measured {
+    grid: Grid,
+    /// Segments that are in it, the first of all.
+    segments: usize,
+    /// Square metres.
+    squared: Vec<f32>,
+}
+
+impl Measured {
+    fn begin(grid: &Grid) -> Self {
+        Self { grid: grid.clone(), segments: 0, squared: vec![f32::INFINITY; grid.len()] }
+    }
 }
 
 /// The straight run that the path is on: where it began, where it has come to, and the directions
@@ -94,17 +112,40 @@ impl Coverage {
     }
 
     /// The discs of [`Coverage::spots`], and the largest disc that is left at all; none when every
-    /// place is swept.
+    /// place is swept. Asked again on the same floor it measures only what was driven since then.
     #[must_use]
     pub fn spots_and_largest(
-        &self,
+        &mut self,
         floor: &Floor,
         diameter: f64,
     ) -> (Vec<HiddenDisc>, Option<HiddenDisc>) {
-        let unswept = Unswept::new(floor, self.segments());
+        let unswept = self.unswept(floor);
         let spots = unswept.spots(diameter, usize::MAX);
         let largest = spots.first().copied().or_else(|| unswept.spots(0.0, 1).pop());
         (spots, largest)
+    }
+
+    fn unswept<'a>(&mut self, floor: &'a Floor) -> Unswept<'a> {
+        let known = self.measured.take().filter(|known| known.grid == floor.grid);
+        let mut known = known.unwrap_or_else(|| Measured::begin(&floor.grid));
+        lower(&mut known.squared, &known.grid, &self.segments[known.segments..]);
+        known.segments = self.segments.len();
+        let path = self.segments();
+        let mut squared = known.squared.clone();
+        // The run that the path is on may yet grow.
+        lower(&mut squared, &known.grid, &path[known.segments..]);
+        self.measured = Some(known);
+        Unswept::at(floor, path, &squared)
+    }
+}
+
+/// Lowers squared distances to those from `more` segments where these are nearer.
+fn lower(squared: &mut [f32], grid: &Grid, more: &[Segment]) {
+    if more.is_empty() {
+        return;
+    }
+    for (value, square) in squared.iter_mut().zip(squared_distances(grid, more)) {
+        *value = value.min(square);
     }
 }
 
@@ -140,8 +181,35 @@ impl Run {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rooms;
     use super::*;
     use crate::geometry::angle;
+
+    #[test]
+    fn asked_again_it_says_what_it_would_say_the_first_time() {
+        let room = rooms::rectangle(6.0, 4.0);
+        let boxed = rooms::boxed(2.0, 1.5, 2.5, 2.0);
+        let wider = rooms::rectangle(6.0, 4.1);
+        let floors =
+            [rooms::floor(&room, &[]), rooms::floor(&room, &[&boxed]), rooms::floor(&wider, &[])];
+        let mut coverage = Coverage::of(&rooms::lap(&room, 0.145));
+        let mut asked = Vec::new();
+        for k in 0..12_u32 {
+            // Further along a line with each answer, then on another one; of a floor with an object, too, and of one
+            // whose raster lies elsewhere.
+            let (line, along) = (f64::from(k / 4), 1.0 + f64::from(k % 4));
+            coverage.push(Point::new(along, 0.6 + 0.9 * line));
+            if k % 4 == 3 {
+                coverage.lift();
+            }
+            let floor = &floors[[0, 0, 0, 1, 1, 2, 2, 0, 1, 2, 2, 2][k as usize]];
+            let again = coverage.spots_and_largest(floor, 0.3);
+            let mut anew = Coverage { measured: None, ..coverage.clone() };
+            assert_eq!(again, anew.spots_and_largest(floor, 0.3), "after {k}");
+            asked.push(again.1.map(|disc| disc.diameter));
+        }
+        assert!(asked.windows(2).filter(|two| two[0] != two[1]).count() > 5, "{asked:?}");
+    }
 
     #[test]
     fn a_path_of_many_places_is_kept_as_few_segments_close_to_it() {

@@ -65,12 +65,15 @@ pub(in crate::mapping) struct Unswept<'a> {
 
 impl<'a> Unswept<'a> {
     pub(in crate::mapping) fn new(floor: &'a Floor, path: Vec<Segment>) -> Self {
+        let squared = squared_distances(&floor.grid, &path);
+        Self::at(floor, path, &squared)
+    }
+
+    /// The same of a `path` from which the cells of the floor's raster are known to be so far, metres `squared`.
+    pub(super) fn at(floor: &'a Floor, path: Vec<Segment>, squared: &[f32]) -> Self {
         let reach = floor.reach as f32;
-        let field = squared_distances(&floor.grid, &path)
-            .iter()
-            .zip(&floor.free)
-            .map(|(square, &free)| free.min(square.sqrt() - reach))
-            .collect();
+        let radii = squared.iter().zip(&floor.free);
+        let field = radii.map(|(square, &free)| free.min(square.sqrt() - reach)).collect();
         Self { floor, path: SegmentIndex::new(path, 0.25), field, corner: RefCell::new(None) }
     }
 

@@ -6,7 +6,7 @@ use super::drive::{Drive, best_chord};
 use super::{ROOM, Scene, Tour};
 use crate::geometry::{Point, Ring};
 use crate::mapping::event::EventKind;
-use crate::mapping::floor::{Coverage, Floor};
+use crate::mapping::floor::{Coverage, Floor, HiddenDisc};
 use crate::mapping::map::{LineStatus, PathPoint, PlanLine, RoomMap};
 use crate::mapping::odometry::Tracker;
 
@@ -44,30 +44,34 @@ impl Tour {
         map.hidden_at = largest.map(|disc| disc.at);
     }
 
-    /// A line through the largest disc that is still hidden, if it is too large.
-    pub(super) fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+    /// The discs that are still hidden and too large, largest first; the map is told of the largest that is left.
+    fn still_hidden(&mut self, scene: &mut Scene<'_>) -> Vec<HiddenDisc> {
         let path = scene.tracker.path();
         let mut coverage = std::mem::replace(&mut self.coverage, Coverage::new());
         self.sweep(&path[self.covered..], &mut coverage);
-        self.coverage = coverage;
         self.covered = path.len();
         let target = self.alpha - PROMISE_MARGIN;
-        let clearance = self.chassis.radius + ROOM;
-        let coverage = self.coverage.clone();
-        let given_up = self.given_up.clone();
-        let extra = self.extra;
         let floor = self.floor(scene.rest.pose.position);
         let (spots, largest) = coverage.spots_and_largest(floor, target.max(0.05));
+        self.coverage = coverage;
         scene.map.hidden_disc = Some(largest.map_or(0.0, |disc| disc.diameter));
         scene.map.hidden_at = largest.map(|disc| disc.at);
-        if extra >= MOST_EXTRA {
+        spots
+    }
+
+    /// A line through the largest disc that is still hidden, if it is too large.
+    pub(super) fn extra_line(&mut self, scene: &mut Scene<'_>) -> Option<Drive> {
+        let spots = self.still_hidden(scene);
+        if self.extra >= MOST_EXTRA {
             return None;
         }
         let spot = spots
             .iter()
-            .filter(|spot| given_up.iter().all(|p| (p - spot.at).norm() > 0.06))
+            .filter(|spot| self.given_up.iter().all(|p| (p - spot.at).norm() > 0.06))
             .max_by(|a, b| a.diameter.total_cmp(&b.diameter))?;
         let at = spot.at;
+        let clearance = self.chassis.radius + ROOM;
+        let floor = self.floor(scene.rest.pose.position);
         let chord = best_chord(floor, at, spot.diameter, clearance);
         self.extra += 1;
         self.given_up.push(at);

@@ -20,7 +20,7 @@ use self::positions::{closed_positions, is_simple, position, rounded};
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::map::{ContactKind, Phase, RoomMap};
 use crate::mapping::settings::Settings;
-use crate::mapping::shape;
+use crate::mapping::shape::AlongWall;
 use crate::session::snapshot::PhaseProgress;
 use serde::Serialize;
 
@@ -84,7 +84,7 @@ pub fn boundary(record: &RunRecord<'_>) -> Option<Ring> {
     }
     match &map.shape {
         Some(shape) => Some(shape.outline.clone()),
-        None => shape::joined(&map.contacts, record.settings.chassis.reach()).ok(),
+        None => AlongWall::of(&map.contacts, record.settings.chassis.reach()).joined().ok(),
     }
 }
 

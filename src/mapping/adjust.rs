@@ -14,6 +14,7 @@ use super::circuit::Closure;
 use super::lay::{Overlap, Seen, about, lay, lay_from_each};
 use super::map::{Contact, ContactKind, Misclosure, PathPoint};
 use super::odometry::Tracker;
+use super::shape::AlongWall;
 use super::smooth::smooth;
 use super::survey::{Step, Survey, Tie, worse};
 use super::thin::{PARTINGS, part};
@@ -347,7 +348,7 @@ impl Adjustment {
         self.rebase();
         for _ in 0..PARTINGS {
             let knots = self.survey.knots();
-            if !part(&mut self.survey, knots, contacts, reach) {
+            if !part(&mut self.survey, knots, &AlongWall::of(contacts, reach)) {
                 return;
             }
             self.carry(contacts);

@@ -74,64 +74,77 @@ pub(crate) struct Sample {
     edges: Vec<Point>,
 }
 
-/// The wall line through the contacts of a closed lap: closed, simple, counter-clockwise, of
-/// lines and arcs. `contacts` come in time order, the last adjoins the first (some wall seen
-/// twice does no harm); `reach` is body radius plus range of the switches, metres. A round room may be
-/// bent by `give` metres: so far the gyro may have led the lap astray. A fit that crosses itself is freed of
-/// such `loops`. None when the contacts are too few or make no simple closed outline in which they can have
-/// been made.
-#[must_use]
-pub fn fit(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Option<Ring> {
-    let ordered = order::along_wall(contacts, reach);
-    let ring = fitted(&ordered, reach, give, loops).map(Ring::counter_clockwise);
-    ring.filter(|ring| holds(ring, contacts, &ordered, reach))
+/// The contacts of a closed lap as they were made, and in order along the wall.
+pub struct AlongWall {
+    /// In time order.
+    made: Vec<Contact>,
+    ordered: Vec<Contact>,
+    reach: f64,
 }
 
-/// The same, of contacts that are joined where no fit can be made of them.
-///
-/// # Errors
-/// [`Failure::OutlineBroken`] when not even that makes a simple closed outline.
-pub fn outline(contacts: &[Contact], reach: f64, give: f64, loops: Loops) -> Result<Ring, Failure> {
-    fit(contacts, reach, give, loops).map_or_else(|| joined(contacts, reach), Ok)
-}
+impl AlongWall {
+    /// Of `contacts` in time order, of which the last adjoins the first (some wall seen twice does no harm);
+    /// `reach` is body radius plus range of the switches, metres.
+    #[must_use]
+    pub fn of(contacts: &[Contact], reach: f64) -> Self {
+        Self { made: contacts.to_vec(), ordered: order::along_wall(contacts, reach), reach }
+    }
 
-/// Whether the robot was within `ring` when it made the `contacts`, given as well as they are `ordered` along the
-/// wall, but for those in pockets that the outline leaves out, and those in the mouths of gaps too narrow to pass,
-/// across which it runs, and out of which the robot came again: a lap that has laid two walls through each other
-/// can be untangled into a simple outline of another room.
-fn holds(ring: &Ring, contacts: &[Contact], ordered: &[Contact], reach: f64) -> bool {
-    let touched: Vec<(Point, Point)> = ordered.iter().map(|c| (c.point, c.from)).collect();
-    let gaps = SHORTEST..WIDEST_MOUTH * reach;
-    let way: Vec<Segment> = legs(contacts).collect();
-    let came_out = |piece: &Piece| {
-        let across = Segment::new(piece.from(), piece.to());
-        way.iter().filter(|leg| across.crosses(leg)).count() % 2 == 0
-    };
-    let in_mouth = |p: Point| {
-        ring.nearest(p).is_some_and(|foot| {
-            let piece = &ring.pieces[foot.piece];
-            foot.distance < reach
-                && is_chord(piece, Floor::Inside, &touched, &gaps)
-                && came_out(piece)
-        })
-    };
-    let held = |contact: &&Contact| ring.contains(contact.from) || in_mouth(contact.from);
-    ordered.iter().filter(held).count() as f64 >= WITHIN * ordered.len() as f64
+    /// The wall line through them: closed, simple, counter-clockwise, of lines and arcs. A round room may be
+    /// bent by `give` metres: so far the gyro may have led the lap astray. A fit that crosses itself is freed of
+    /// such `loops`. None when the contacts are too few or make no simple closed outline in which they can have
+    /// been made.
+    #[must_use]
+    pub fn fit(&self, give: f64, loops: Loops) -> Option<Ring> {
+        let ring = fitted(&self.ordered, self.reach, give, loops).map(Ring::counter_clockwise);
+        ring.filter(|ring| self.holds(ring))
+    }
+
+    /// The same, or the contacts joined where no fit can be made of them.
+    ///
+    /// # Errors
+    /// [`Failure::OutlineBroken`] when not even that makes a simple closed outline.
+    pub fn outline(&self, give: f64, loops: Loops) -> Result<Ring, Failure> {
+        self.fit(give, loops).map_or_else(|| self.joined(), Ok)
+    }
+
+    /// The same without a fit: the contacts themselves, joined in order and untangled.
+    ///
+    /// # Errors
+    /// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
+    pub fn joined(&self) -> Result<Ring, Failure> {
+        let ring = chain::outline(&self.ordered).map(Ring::counter_clockwise);
+        ring.filter(|ring| self.holds(ring)).ok_or(Failure::OutlineBroken)
+    }
+
+    /// Whether the robot was within `ring` when it made the contacts, but for those in pockets that the outline
+    /// leaves out, and those in the mouths of gaps too narrow to pass, across which it runs, and out of which the
+    /// robot came again: a lap that has laid two walls through each other can be untangled into a simple outline of
+    /// another room.
+    fn holds(&self, ring: &Ring) -> bool {
+        let touched: Vec<(Point, Point)> = self.ordered.iter().map(|c| (c.point, c.from)).collect();
+        let gaps = SHORTEST..WIDEST_MOUTH * self.reach;
+        let way: Vec<Segment> = legs(&self.made).collect();
+        let came_out = |piece: &Piece| {
+            let across = Segment::new(piece.from(), piece.to());
+            way.iter().filter(|leg| across.crosses(leg)).count() % 2 == 0
+        };
+        let in_mouth = |p: Point| {
+            ring.nearest(p).is_some_and(|foot| {
+                let piece = &ring.pieces[foot.piece];
+                foot.distance < self.reach
+                    && is_chord(piece, Floor::Inside, &touched, &gaps)
+                    && came_out(piece)
+            })
+        };
+        let held = |contact: &&Contact| ring.contains(contact.from) || in_mouth(contact.from);
+        self.ordered.iter().filter(held).count() as f64 >= WITHIN * self.ordered.len() as f64
+    }
 }
 
 /// The way between the places from which `contacts`, in time order, were made.
 fn legs(contacts: &[Contact]) -> impl Iterator<Item = Segment> + use<'_> {
     contacts.windows(2).map(|two| Segment::new(two[0].from, two[1].from))
-}
-
-/// The same without a fit: the contacts themselves, joined in order and untangled.
-///
-/// # Errors
-/// [`Failure::OutlineBroken`] when the contacts are too few or make no simple closed outline.
-pub fn joined(contacts: &[Contact], reach: f64) -> Result<Ring, Failure> {
-    let ring = chain::outline(contacts, reach).map(Ring::counter_clockwise);
-    let ordered = order::along_wall(contacts, reach);
-    ring.filter(|ring| holds(ring, contacts, &ordered, reach)).ok_or(Failure::OutlineBroken)
 }
 
 /// `outline` without the crossings that corrections of its corners may have made.

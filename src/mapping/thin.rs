@@ -7,8 +7,7 @@
 //! lie a little apart. What does not contradict itself is left alone: how thick a wall is, nobody knows.
 //! What outline is made of the contacts is not known here.
 
-use super::map::Contact;
-use super::shape::{Through, faces_through_each_other};
+use super::shape::{AlongWall, Through, faces_through_each_other};
 use super::survey::{Surface, Survey};
 use crate::geometry::{Point, Vector};
 use std::collections::BTreeMap;
@@ -47,12 +46,11 @@ impl Sum {
     }
 }
 
-/// Tells `survey` that no two faces lie through each other, of which the `contacts` of a lap say that they do;
-/// its first `knots` knots are those of the lap, and `reach` is body radius plus range of the switches, metres.
-/// True when there were any.
-pub fn part(survey: &mut Survey, knots: usize, contacts: &[Contact], reach: f64) -> bool {
+/// Tells `survey` that no two faces lie through each other, of which the contacts of the `lap` say that they do;
+/// its first `knots` knots are those of the lap. True when there were any.
+pub fn part(survey: &mut Survey, knots: usize, lap: &AlongWall) -> bool {
     let mut sums: BTreeMap<[usize; 4], Sum> = BTreeMap::new();
-    for through in faces_through_each_other(contacts, reach) {
+    for through in faces_through_each_other(lap) {
         let (seen, crossed) = through.times_us;
         let key = [survey.tie(seen, knots).knots(), survey.tie(crossed, knots).knots()].concat();
         if let Ok(key) = <[usize; 4]>::try_from(key) {
@@ -79,7 +77,7 @@ pub fn part(survey: &mut Survey, knots: usize, contacts: &[Contact], reach: f64)
 mod tests {
     use super::*;
     use crate::geometry::{Pose, angle};
-    use crate::mapping::map::{ContactKind, Spun};
+    use crate::mapping::map::{Contact, ContactKind, Spun};
     use crate::mapping::survey::Step;
 
     const REACH: f64 = 0.16;
@@ -130,7 +128,7 @@ mod tests {
         assert!(thickness(&contacts) < -0.01);
         let knots = survey.knots();
         for _ in 0..3 {
-            if !part(&mut survey, knots, &contacts, REACH) {
+            if !part(&mut survey, knots, &AlongWall::of(&contacts, REACH)) {
                 break;
             }
             for contact in &mut contacts {
@@ -143,7 +141,7 @@ mod tests {
         let thick = thickness(&contacts);
         assert!((0.0..0.02).contains(&thick), "{thick} m");
         let before = survey.clone();
-        assert!(!part(&mut survey, knots, &contacts, REACH), "once more");
+        assert!(!part(&mut survey, knots, &AlongWall::of(&contacts, REACH)), "once more");
         assert_eq!(survey, before);
     }
 }

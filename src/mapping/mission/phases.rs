@@ -15,7 +15,7 @@ use crate::mapping::network::Datum;
 use crate::mapping::plan::{self, PlanRequest};
 use crate::mapping::retrace::Beside;
 use crate::mapping::search::{Next, Search, lap_contacts, lap_strokes, whole_lap};
-use crate::mapping::shape::{self, Loops};
+use crate::mapping::shape::{self, AlongWall, Loops};
 use crate::mapping::smooth::smooth;
 use crate::mapping::thin::{PARTINGS, part};
 use crate::mapping::tour::{Scene, Tour, Turn};
@@ -105,13 +105,21 @@ impl Mission {
     /// The outline through the contacts of the lap as they are believed by now. Until it is said what
     /// stands apart, a large loop may be of that.
     pub(super) fn fitted_outline(&self) -> Result<Ring, Failure> {
+        self.outlined(&self.along_wall())
+    }
+
+    fn outlined(&self, lap: &AlongWall) -> Result<Ring, Failure> {
         let loops = if self.map.shape.is_some() { Loops::All } else { Loops::Touched };
-        shape::outline(&self.map.contacts, self.settings.chassis.reach(), self.give(), loops)
+        lap.outline(self.give(), loops)
+    }
+
+    fn along_wall(&self) -> AlongWall {
+        AlongWall::of(&self.map.contacts, self.settings.chassis.reach())
     }
 
     /// What is fitted to the contacts of the lap, freed of such `loops`; none where they can only be joined.
     pub(super) fn fit(&self, loops: Loops) -> Option<Ring> {
-        shape::fit(&self.map.contacts, self.settings.chassis.reach(), self.give(), loops)
+        self.along_wall().fit(self.give(), loops)
     }
 
     /// How far the lap may be bent, metres: places spread over it tell.
@@ -175,7 +183,7 @@ impl Mission {
         }
         if !self.is_sound(&fitted) {
             // Of contacts in a wrong order a fit may keep no more than a loop.
-            fitted = shape::joined(&self.map.contacts, reach);
+            fitted = self.along_wall().joined();
         }
         let outline = match fitted {
             Ok(outline) => outline,
@@ -213,26 +221,26 @@ impl Mission {
 
     /// The outline after its own smooth walls have straightened the lap.
     fn straight_outline(&mut self) -> Result<Ring, Failure> {
-        self.part_faces();
-        let outline = self.fitted_outline()?;
+        let lap = self.part_faces();
+        let outline = self.outlined(&lap)?;
         if !self.straighten(&outline) {
             return Ok(outline);
         }
-        self.part_faces();
-        self.fitted_outline()
+        let lap = self.part_faces();
+        self.outlined(&lap)
     }
 
-    /// Lets the thin walls of the lap, whose faces noise has laid through each other, part them.
-    fn part_faces(&mut self) {
-        let reach = self.settings.chassis.reach();
+    /// Lets the thin walls of the lap, whose faces noise has laid through each other, part them; the lap after that.
+    fn part_faces(&mut self) -> AlongWall {
         for _ in 0..PARTINGS {
-            let knots = self.survey.knots();
-            if !part(&mut self.survey, knots, &self.map.contacts, reach) {
-                return;
+            let (knots, lap) = (self.survey.knots(), self.along_wall());
+            if !part(&mut self.survey, knots, &lap) {
+                return lap;
             }
             self.place_contacts();
             self.settle(u64::MAX);
         }
+        self.along_wall()
     }
 
     /// Whether the fit has made an outline, of the room that the robot drove in.

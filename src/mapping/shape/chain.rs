@@ -1,7 +1,6 @@
 //! The outline when no fit of lines and arcs makes a simple one: the contacts themselves, joined in
 //! order, untangled and thinned. Nothing is drawn that was not touched.
 
-use super::order;
 use crate::geometry::segment::Segment;
 use crate::geometry::simple::crossings;
 use crate::geometry::{Point, Ring, thin};
@@ -13,10 +12,10 @@ pub(super) const TOLERANCE: f64 = 0.004;
 /// Rounds of untangling at most.
 const ROUNDS: usize = 400;
 
-/// A simple polygon through the contacts of a robot whose switches reach `reach` metres from its centre;
-/// none when there are too few or they cannot be untangled.
-pub(super) fn outline(contacts: &[Contact], reach: f64) -> Option<Ring> {
-    let mut points: Vec<Point> = order::along_wall(contacts, reach)
+/// A simple polygon through contacts `ordered` along the wall; none when there are too few or they cannot be
+/// untangled.
+pub(super) fn outline(ordered: &[Contact]) -> Option<Ring> {
+    let mut points: Vec<Point> = ordered
         .iter()
         .filter(|contact| contact.kind != ContactKind::Edge)
         .map(|contact| contact.point)

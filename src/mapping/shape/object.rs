@@ -58,8 +58,7 @@ pub fn object_outline(contacts: &[Contact], closed: bool) -> (Ring, ObjectClass)
         return (ring, ObjectClass::Rectangle);
     }
     // Untangled only where it is asked for.
-    let joined =
-        LazyCell::new(|| super::chain::outline(contacts, REACH).map(Ring::counter_clockwise));
+    let joined = LazyCell::new(|| super::chain::outline(&ordered).map(Ring::counter_clockwise));
     let join = || joined.as_ref().filter(is_sound);
     let found = match fit {
         // One with a spike is better than none.

@@ -131,13 +131,9 @@ mod tests {
             contact.point.y = -contact.point.y;
             contact.from.y = -contact.from.y;
         }
-        let outline = crate::mapping::shape::outline(
-            &contacts,
-            REACH,
-            0.0,
-            crate::mapping::shape::Loops::Touched,
-        )
-        .expect("a room");
+        let outline = crate::mapping::shape::AlongWall::of(&contacts, REACH)
+            .outline(0.0, crate::mapping::shape::Loops::Touched)
+            .expect("a room");
         assert!((outline.area() - 2.8).abs() < 0.1, "{}", outline.area());
         assert!(!outline.contains(Point::new(2.145, -0.4)), "the pocket is no part of it");
     }

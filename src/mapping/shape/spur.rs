@@ -45,7 +45,7 @@ mod tests {
     use super::super::testing::along;
     use super::*;
     use crate::geometry::Point;
-    use crate::mapping::shape::{Loops, outline};
+    use crate::mapping::shape::{AlongWall, Loops};
 
     /// Along the walls of a room of 4 x 3 m, in which a thing stands 0.3 m off the lower wall at x = 2; seen from
     /// the passage between them where that is `seen`.
@@ -67,7 +67,7 @@ mod tests {
         let (kept, across) = without_spurs(&contacts, 0.16).expect("a spur");
         assert_eq!((kept.len() + 2, across.len()), (contacts.len(), 2));
         assert!(kept.iter().all(|c| c.point.y != 0.3));
-        let outline = outline(&kept, 0.16, 0.0, Loops::Touched).expect("a room");
+        let outline = AlongWall::of(&kept, 0.16).outline(0.0, Loops::Touched).expect("a room");
         assert!((outline.area() - 12.0).abs() < 0.05, "{}", outline.area());
     }
 

@@ -37,7 +37,7 @@ fn rooms_are_fitted_to_what_their_contacts_scatter_by() {
             [0.0, 0.0015].into_iter().flat_map(|s| (0..4).map(move |seed| (s, seed)))
         {
             let contacts = roll(&ring, Roll::new(sigma, seed));
-            let fitted = outline(&contacts, REACH, 0.0, Loops::Touched).expect(name);
+            let fitted = AlongWall::of(&contacts, REACH).outline(0.0, Loops::Touched).expect(name);
             let error = compare(&fitted, &ring);
             let (iou, p95, worst) = bounds(name);
             assert!(
@@ -55,7 +55,7 @@ fn rooms_are_fitted_to_what_their_contacts_scatter_by() {
 fn the_first_wall_is_the_one_that_was_met_first_wherever_a_fit_begins() {
     let room = worlds::l_room();
     let mut contacts = roll(&room, Roll::new(0.0, 0));
-    let fitted = outline(&contacts, REACH, 0.0, Loops::Touched).expect("an outline");
+    let fitted = AlongWall::of(&contacts, REACH).outline(0.0, Loops::Touched).expect("an outline");
     let met = contacts.iter_mut().min_by(|a, b| a.time.total_cmp(&b.time)).expect("a contact");
     met.point = fitted.pieces[3].at(0.5);
     for begun in 0..fitted.pieces.len() {
@@ -71,12 +71,15 @@ fn the_first_wall_is_the_one_that_was_met_first_wherever_a_fit_begins() {
 fn an_outline_that_leaves_out_where_the_robot_was_is_none() {
     let room = worlds::l_room();
     let mut contacts = roll(&room, Roll::new(0.0, 0));
-    assert!(outline(&contacts, REACH, 0.0, Loops::Touched).is_ok());
+    assert!(AlongWall::of(&contacts, REACH).outline(0.0, Loops::Touched).is_ok());
     // As if a tenth of them had been made from behind the wall.
     for contact in contacts.iter_mut().step_by(10) {
         contact.from = contact.point + (contact.point - contact.from);
     }
-    assert_eq!(outline(&contacts, REACH, 0.0, Loops::Touched), Err(Failure::OutlineBroken));
+    assert_eq!(
+        AlongWall::of(&contacts, REACH).outline(0.0, Loops::Touched),
+        Err(Failure::OutlineBroken)
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Faces of one wall that noise has laid through each other: what the beams that ended on the one say of the
 //! other. Knows contacts, not what moves them.
 
-use super::order;
+use super::AlongWall;
 use crate::geometry::index::SegmentIndex;
 use crate::geometry::segment::Segment;
 use crate::geometry::{Point, Vector, cross, perp};
@@ -35,14 +35,11 @@ pub struct Through {
     pub times_us: (u64, u64),
 }
 
-/// All beams among the `contacts` of a lap that ended behind a face seen from the other side; `reach` is body
-/// radius plus range of the switches, metres.
+/// All beams among the contacts of a lap that ended behind a face seen from the other side.
 #[must_use]
-pub fn faces_through_each_other(contacts: &[Contact], reach: f64) -> Vec<Through> {
-    let ordered: Vec<Contact> = order::along_wall(contacts, reach)
-        .into_iter()
-        .filter(|contact| contact.kind == ContactKind::Range)
-        .collect();
+pub fn faces_through_each_other(lap: &AlongWall) -> Vec<Through> {
+    let is_beam = |contact: &&Contact| contact.kind == ContactKind::Range;
+    let ordered: Vec<&Contact> = lap.ordered.iter().filter(is_beam).collect();
     let mut driven = 0.0;
     let mut along = vec![0.0];
     for two in ordered.windows(2) {
@@ -54,7 +51,7 @@ pub fn faces_through_each_other(contacts: &[Contact], reach: f64) -> Vec<Through
         apart.min(driven - apart) > LATER
     };
     let faces: Vec<usize> =
-        (1..ordered.len()).filter(|&k| is_face(&ordered[k - 1], &ordered[k])).collect();
+        (1..ordered.len()).filter(|&k| is_face(ordered[k - 1], ordered[k])).collect();
     if faces.is_empty() {
         return Vec::new();
     }
@@ -70,7 +67,7 @@ pub fn faces_through_each_other(contacts: &[Contact], reach: f64) -> Vec<Through
         crossed.dedup();
         let later = crossed.into_iter().map(|k| faces[k]).filter(|&k| is_later(place, k));
         let through =
-            later.filter_map(|k| went_through(contact, &beam, &ordered[k - 1], &ordered[k]));
+            later.filter_map(|k| went_through(contact, &beam, ordered[k - 1], ordered[k]));
         found.extend(through.max_by(|a, b| a.deep.total_cmp(&b.deep)));
     }
     found
@@ -108,7 +105,9 @@ mod tests {
     use super::*;
     use crate::mapping::shape::testing::along;
 
-    const REACH: f64 = 0.16;
+    fn through(contacts: &[Contact]) -> Vec<Through> {
+        faces_through_each_other(&AlongWall::of(contacts, 0.16))
+    }
 
     /// A room of 4 x 3 m with a board of 2 m on its lower wall, by so many metres thick at its foot and its end.
     fn with_board(foot: f64, end: f64) -> Vec<Contact> {
@@ -129,7 +128,7 @@ mod tests {
 
     #[test]
     fn beams_that_ended_behind_the_other_face_of_a_board_are_found_with_how_far() {
-        let found = faces_through_each_other(&with_board(-0.04, 0.02), REACH);
+        let found = through(&with_board(-0.04, 0.02));
         // For two thirds of its length the board is less than nothing thick.
         assert!(found.len() > 30, "{} beams", found.len());
         for through in &found {
@@ -143,17 +142,17 @@ mod tests {
 
     #[test]
     fn a_board_that_is_one_and_a_corridor_are_left_alone() {
-        assert_eq!(faces_through_each_other(&with_board(0.02, 0.02), REACH), []);
+        assert_eq!(through(&with_board(0.02, 0.02)), []);
         let corridor = [(0.0, 0.0), (5.0, 0.0), (5.0, 0.3), (0.0, 0.3), (0.0, 0.0)];
-        assert_eq!(faces_through_each_other(&along(&corridor, 1.0), REACH), []);
-        assert_eq!(faces_through_each_other(&[], REACH), []);
+        assert_eq!(through(&along(&corridor, 1.0)), []);
+        assert_eq!(through(&[]), []);
     }
 
     #[test]
     fn round_the_end_of_a_wall_nothing_has_gone_wrong_yet() {
         // The last 0.6 m of the board are less than nothing thick: the robot has driven less than two metres
         // from one face to the other.
-        let found = faces_through_each_other(&with_board(0.06, -0.026), REACH);
+        let found = through(&with_board(0.06, -0.026));
         let far = found.iter().filter(|through| through.at.y > 1.3).count();
         assert_eq!(far, 0, "{found:?}");
     }

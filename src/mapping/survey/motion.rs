@@ -37,6 +37,7 @@ impl Onward {
     }
 
     /// The changed rows of what `old` tells row by row.
+    #[inline]
     pub(super) fn apply(&self, old: impl Fn(usize) -> f64) -> [f64; 4] {
         let (moved, heading) = (self.moved, old(POSE + 2));
         // Drift over the step turns the heading, and half of it the way.

@@ -358,14 +358,10 @@ fn a_host_that_is_killed_again_and_again_ends_with_the_same_map() {
     assert!(whole.until(900.0, |rig| rig.run.ending().is_some()));
     let area = |rig: &Rig| {
         let map = rig.run.session().expect("a session").mission().map();
-        crate::mapping::shape::outline(
-            &map.contacts,
-            0.16,
-            0.0,
-            crate::mapping::shape::Loops::Touched,
-        )
-        .expect("an outline")
-        .area()
+        crate::mapping::shape::AlongWall::of(&map.contacts, 0.16)
+            .outline(0.0, crate::mapping::shape::Loops::Touched)
+            .expect("an outline")
+            .area()
     };
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for trial in 0..6 {
@@ -430,13 +426,9 @@ fn faulty_runs(seeds: std::ops::Range<u64>) {
         if ending.outcome == Outcome::Complete {
             complete += 1;
             let map = rig.run.session().expect("a session").mission().map();
-            let outline = crate::mapping::shape::outline(
-                &map.contacts,
-                0.16,
-                0.0,
-                crate::mapping::shape::Loops::Touched,
-            )
-            .expect("an outline");
+            let outline = crate::mapping::shape::AlongWall::of(&map.contacts, 0.16)
+                .outline(0.0, crate::mapping::shape::Loops::Touched)
+                .expect("an outline");
             let off = (outline.area() - 20.0).abs();
             assert!(off < 0.1, "seed {seed} is called complete and is {off} m² wrong: {faults:?}");
         } else {

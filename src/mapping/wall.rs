@@ -14,7 +14,7 @@ mod swept;
 
 pub use sighting::{Sighting, Turning};
 pub use stretch::Stretch;
-pub use swept::{Stroke, closed_beams, is_felt_on_both_hands, swept};
+pub use swept::{Stroke, closed_beams, is_felt_on_both_hands, length_within, swept};
 
 use self::carve::Trail;
 use super::drift::Unwound;

@@ -9,7 +9,8 @@ use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
 use crate::mapping::shape::{self, Enclosed, Loops, Thing};
 use crate::mapping::unreached::{Beyond, Unreached};
-use crate::mapping::wall::is_felt_on_both_hands;
+use crate::mapping::wall::{Stroke, is_felt_on_both_hands, length_within};
+use crate::robot::Chassis;
 
 /// Contacts of a tip lie on it, and on the outline of what it is the tip of, within this, metres.
 const ON_TIP: f64 = 0.015;
@@ -90,13 +91,13 @@ impl Mission {
         let again = (alone || was_joined).then(|| self.fit(Loops::All)).flatten();
         let is_round = |ring: &Ring| matches!(ring.pieces[..], [Piece::Arc { .. }]);
         let is_same = |ring: &Ring| (ring.area() / rest.area() - 1.0).abs() < REFINED;
-        // A side across floor that the robot drove on joins what is not beside each other.
-        let is_driven_over = |ring: &Ring| self.way_within(ring) < self.way_within(&rest);
         // Where the map ends at a strait nothing was felt, and a fit would draw wall there.
         let joined = was_joined && self.map.beyond.is_empty();
-        let better = again
-            .filter(|ring| (is_round(ring) || (joined && is_same(ring))) && !is_driven_over(ring));
-        better.unwrap_or(rest)
+        let is_better = |ring: &Ring| {
+            let is_driven_over = is_driven_over(ring, &rest, &self.way, &self.settings.chassis);
+            (is_round(ring) || (joined && is_same(ring))) && !is_driven_over
+        };
+        again.filter(is_better).unwrap_or(rest)
     }
 
     /// Ends the map at straits; what remains of `outline`. What was seen behind them is kept by itself.
@@ -125,5 +126,47 @@ impl Mission {
         let id = self.map.next_id();
         self.map.objects.push(thing.numbered(id));
         self.tell(EventKind::ObjectApart { id }, out);
+    }
+}
+
+/// Whether `ring` has a side across floor that the robot drove on by `way`, and `rest` has none there: such a side
+/// joins what is not beside each other. Where the way is outside by less than half of the body, the two only run
+/// elsewhere between things that the robot hardly got through.
+fn is_driven_over(ring: &Ring, rest: &Ring, way: &[Stroke], chassis: &Chassis) -> bool {
+    let more = length_within(way, rest).0 - length_within(way, ring).0;
+    more > chassis.radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Pose};
+    use crate::mapping::wall::Wall;
+    use crate::robot::SwitchSet;
+
+    #[test]
+    fn a_side_a_little_elsewhere_is_not_driven_over_and_one_across_a_bay_is() {
+        // Into a bay of 0.6 m between x = 2 and 2.6, and out again.
+        let chassis = Chassis::default();
+        let mut wall = Wall::new(&chassis);
+        let corners = [(0.2, 0.2), (2.3, 0.2), (2.3, -0.4), (2.3, 0.2), (4.0, 0.2)];
+        for pair in corners.windows(2) {
+            for k in 0..=20_u32 {
+                let share = f64::from(k) / 20.0;
+                let at = |a: f64, b: f64| a + (b - a) * share;
+                let (x, y) = (at(pair[0].0, pair[1].0), at(pair[0].1, pair[1].1));
+                wall.carve(Pose::new(x, y, 0.0), SwitchSet::only(usize::from(k % 2 == 0)), 0.0, 0);
+            }
+        }
+        let room = |deep: f64| {
+            let bay = [(2.0, 0.0), (2.0, -deep), (2.6, -deep), (2.6, 0.0)];
+            let all =
+                [(0.0, 0.0)].into_iter().chain(bay).chain([(4.2, 0.0), (4.2, 2.0), (0.0, 2.0)]);
+            Ring::polygon(&all.map(|(x, y)| Point::new(x, y)).collect::<Vec<_>>())
+        };
+        let is_over =
+            |deep: f64| is_driven_over(&room(deep), &room(0.55), wall.strokes(), &chassis);
+        assert!(!is_over(0.55) && !is_over(0.38), "the wall runs beside the way");
+        assert!(is_over(0.05), "a chord");
     }
 }

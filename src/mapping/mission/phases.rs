@@ -20,6 +20,7 @@ use crate::mapping::smooth::smooth;
 use crate::mapping::thin::{PARTINGS, part};
 use crate::mapping::tour::{Scene, Tour, Turn};
 use crate::mapping::unreached::{Unreached, unreached};
+use crate::mapping::wall::length_within;
 
 /// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
 /// metre: wheels 5 % apart on the default chassis. Worn ones are within half of that.
@@ -249,18 +250,10 @@ impl Mission {
     }
 
     /// Whether most of the lap's way lies within `outline`: one that leaves it out is not where the robot drove.
+    /// Rounds in a pocket are not of the lap.
     fn encloses_the_lap(&self, outline: &Ring) -> bool {
-        self.way_within(outline) >= 0.5
-    }
-
-    /// The share of the lap's way that lies within `outline`. Rounds in a pocket are not of the lap.
-    pub(super) fn way_within(&self, outline: &Ring) -> f64 {
-        let (inside, all) = self.way.iter().fold((0.0, 0.0), |(inside, all), stroke| {
-            let length = stroke.length();
-            let more = if outline.contains(stroke.middle()) { length } else { 0.0 };
-            (inside + more, all + length)
-        });
-        inside / f64::max(all, f64::MIN_POSITIVE)
+        let (inside, all) = length_within(&self.way, outline);
+        all > 0.0 && inside >= all / 2.0
     }
 
     /// Keeps what is known of wheels and gyro, once that is more than a guess.

@@ -3,7 +3,7 @@
 
 use super::Wall;
 use crate::geometry::raster::Grid;
-use crate::geometry::{Point, Pose, Segment, angle};
+use crate::geometry::{Point, Pose, Ring, Segment, angle};
 use crate::mapping::drift::Unwound;
 use crate::robot::{Chassis, SwitchSet};
 
@@ -119,6 +119,16 @@ impl Wall {
             *stroke = stroke.unwound(unwound);
         }
     }
+}
+
+/// How much of the way of `strokes` lies within `outline`, and how long all of it is, metres.
+#[must_use]
+pub fn length_within(strokes: &[Stroke], outline: &Ring) -> (f64, f64) {
+    strokes.iter().fold((0.0, 0.0), |(inside, all), stroke| {
+        let length = stroke.length();
+        let more = if outline.contains(stroke.middle()) { length } else { 0.0 };
+        (inside + more, all + length)
+    })
 }
 
 /// Whether on the way of `strokes`, where that leads through `gate`, switches were closed on both hands at once,

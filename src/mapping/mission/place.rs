@@ -171,7 +171,6 @@ impl Mission {
                     // For some time, and neither wheels nor gyro told how it got there.
                     if was_elsewhere {
                         tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
-                        self.network.break_off();
                     }
                     self.tell_all(told, out);
                 }

@@ -34,6 +34,8 @@ const START_SD: f64 = 1e-6;
 const ON_THE_SPOT: f64 = 3e-4;
 /// ... something that it runs into by this, metres and radians.
 const HELD_UP: (f64, f64) = (0.01, 0.01);
+/// So many motions in a row are a stretch of the way.
+const STRETCH: usize = 10;
 /// No reading of gyro or wheels is better than this, radians.
 const FINEST: f64 = 2e-5;
 /// A surface may lie anywhere, metres and radians: what is not touched must not make the equations
@@ -82,6 +84,12 @@ impl Unknowns {
         }
     }
 
+    /// By how much the robot turned on the motion after rest `k`, which read `motion`, radians.
+    fn turned(&self, k: usize, motion: &Motion) -> f64 {
+        let told = motion.turned;
+        told + angle::wrap(self.poses[k + 1].heading - self.poses[k].heading - told)
+    }
+
     /// What the robot itself does wrong.
     pub(super) fn errors(&self) -> SystematicErrors {
         let [drift, scale, wheels, track] = self.own;
@@ -105,6 +113,17 @@ impl Unknowns {
         }
         (count, (sum / f64::from(count.max(1) as u32)).sqrt())
     }
+}
+
+/// By how much the way of one motion is off in one direction.
+struct Way {
+    /// Unit vector.
+    axis: Vector,
+    /// How that grows with the headings before and after, metres a radian.
+    lever: f64,
+    /// Metres, and square metres.
+    off: f64,
+    variance: f64,
 }
 
 /// What the robot read.
@@ -223,16 +242,39 @@ impl Robot {
         }
     }
 
+    /// How much worse than it should the worst stretch of the way agrees with what gyro and wheels told of it: mean
+    /// square, in variances, of so many motions in a row. About a half where the robot drove all of it, and several
+    /// where somebody pushed it: what neither told is laid on the motions about that.
+    pub(super) fn strain(&self, read: &Read<'_>, at: &Unknowns) -> f64 {
+        let motions = read.rests.windows(2).enumerate().map(|(k, pair)| {
+            let motion = pair[1].reading.since(&pair[0].reading);
+            let gyro = self.gyro(&motion, at.turned(k, &motion), at);
+            let ways =
+                self.ways(k, &motion, pair[1].held_up, at).map(|way| (way.off, way.variance));
+            let squares =
+                [gyro].into_iter().chain(ways).map(|(off, variance)| off * off / variance);
+            squares.sum::<f64>() / 3.0
+        });
+        let squares: Vec<f64> = motions.collect();
+        let mean = |stretch: &[f64]| stretch.iter().sum::<f64>() / stretch.len() as f64;
+        squares.windows(STRETCH.min(squares.len().max(1))).map(mean).fold(0.0, f64::max)
+    }
+
+    /// By how much the gyro is off where the robot turned by `real`, and the variance of that: real = told - drift -
+    /// scale.
+    fn gyro(&self, motion: &Motion, real: f64, at: &Unknowns) -> (f64, f64) {
+        let [bias, scale, ..] = at.own;
+        let off = real * (1.0 + scale) + bias * motion.active - motion.turned;
+        (off, self.walk * motion.active + FINEST * FINEST)
+    }
+
     /// What gyro and wheels say of a turn.
     fn turned(&self, k: usize, motion: &Motion, at: &Unknowns, normal: &mut Normal) {
-        let [bias, scale, wheels, track] = at.own;
-        let real = motion.turned
-            + angle::wrap(at.poses[k + 1].heading - at.poses[k].heading - motion.turned);
+        let [_, scale, wheels, track] = at.own;
+        let real = at.turned(k, motion);
         let ahead = motion.ahead * self.stretch;
         let heading = State::new(0.0, 0.0, 1.0, 0.0);
-        // By the gyro: real = told - drift - scale.
-        let off = real * (1.0 + scale) + bias * motion.active - motion.turned;
-        let variance = self.walk * motion.active + FINEST * FINEST;
+        let (off, variance) = self.gyro(motion, real, at);
         normal.add(
             &Equation::of(off, variance)
                 .node(k, heading * -(1.0 + scale))
@@ -269,25 +311,32 @@ impl Robot {
         read.node(from, WHEELS_TURN * before).node(to, WHEELS_TURN * after)
     }
 
-    /// What the wheels say of the way.
-    fn went(&self, k: usize, motion: &Motion, held_up: bool, at: &Unknowns, normal: &mut Normal) {
+    /// By how much the way is off what the wheels told of it: along and across.
+    fn ways(&self, k: usize, motion: &Motion, held_up: bool, at: &Unknowns) -> [Way; 2] {
         let (a, b) = (&at.poses[k], &at.poses[k + 1]);
         let ahead = motion.ahead * self.stretch;
-        let turn = motion.turned + angle::wrap(b.heading - a.heading - motion.turned);
-        let along = angle::unit(a.heading + turn / 2.0);
+        let along = angle::unit(a.heading + at.turned(k, motion) / 2.0);
         let (across, moved) = (perp(along), b.position - a.position);
         let least = ON_THE_SPOT * ON_THE_SPOT;
         let bumped = if held_up { HELD_UP.0 * HELD_UP.0 } else { 0.0 };
         let length = ahead.abs();
         let stride = STRIDE_SHARE * ahead;
-        for (axis, off, share) in [
+        [
             (along, along.dot(&moved) - ahead, stride * stride + ALONG * ALONG * length),
             (across, across.dot(&moved), ASIDE * ASIDE * length),
-        ] {
+        ]
+        .map(|(axis, off, share)| {
             // The way turns with the heading in its middle.
             let lever = perp(axis).dot(&moved) / 2.0;
+            Way { axis, lever, off, variance: share + least + bumped }
+        })
+    }
+
+    /// What the wheels say of the way.
+    fn went(&self, k: usize, motion: &Motion, held_up: bool, at: &Unknowns, normal: &mut Normal) {
+        for Way { axis, lever, off, variance } in self.ways(k, motion, held_up, at) {
             let of = |sign: f64| State::new(sign * axis.x, sign * axis.y, lever, 0.0);
-            let equation = Equation::of(off, share + least + bumped);
+            let equation = Equation::of(off, variance);
             normal.add(&equation.node(k, of(-1.0)).node(k + 1, of(1.0)));
         }
     }

@@ -25,6 +25,11 @@ struct Driven {
 }
 
 fn driven(drift: f64, uneven: f64) -> Driven {
+    driven_and_pushed(drift, uneven, Vector::zeros())
+}
+
+/// The same, but half way somebody pushes the robot, and it has found its place since.
+fn driven_and_pushed(drift: f64, uneven: f64, push: Vector) -> Driven {
     let start = Pose::new(0.16, 0.16, 0.0);
     let (mut real, mut believed) = (start, start);
     let mut read = Reading::default();
@@ -58,6 +63,10 @@ fn driven(drift: f64, uneven: f64) -> Driven {
         read.ahead += ahead;
         read.turned += turn;
         read.against += turned + uneven * ahead;
+        if motion == 40 {
+            real.position += push;
+            believed.position += push;
+        }
         driven.path.push(point(believed, read.time_us));
         for (sensor, beam) in BEAMS.iter().enumerate() {
             // The wall that the beam meets: the nearer one of the two in its direction.
@@ -236,6 +245,14 @@ fn nothing_is_adjusted_where_the_robot_was_pushed_aside() {
         }
     }
     assert!(adjusted_with(&pushed, contacts).is_none());
+}
+
+#[test]
+fn nothing_is_adjusted_across_a_push_that_neither_wheels_nor_gyro_told() {
+    assert!(adjusted(&driven_and_pushed(0.0, 0.0, Vector::zeros())).is_some());
+    for push in [Vector::new(0.12, 0.0), Vector::new(0.0, 0.12)] {
+        assert!(adjusted(&driven_and_pushed(0.0, 0.0, push)).is_none(), "{push:?}");
+    }
 }
 
 #[test]

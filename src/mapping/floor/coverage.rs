@@ -1,5 +1,6 @@
 //! Where the centre has been, kept as few straight segments: what the hidden disc is measured
-//! against while the robot drives.
+//! against while the robot drives. How far a raster's cells are from there grows with the path; what a disc is it
+//! leaves to `hidden`, and why the robot drove there it does not know.
 
 use super::{Floor, HiddenDisc, Unswept};
 use crate::geometry::raster::{Grid, squared_distances};
@@ -128,19 +129,19 @@ impl Coverage {
     fn unswept<'a>(&mut self, floor: &'a Floor) -> Unswept<'a> {
         let known = self.measured.take().filter(|known| known.grid == floor.grid);
         let mut known = known.unwrap_or_else(|| Measured::begin(&floor.grid));
-        lower(&mut known.squared, &known.grid, &self.segments[known.segments..]);
+        bring_near(&mut known.squared, &known.grid, &self.segments[known.segments..]);
         known.segments = self.segments.len();
         let path = self.segments();
         let mut squared = known.squared.clone();
         // The run that the path is on may yet grow.
-        lower(&mut squared, &known.grid, &path[known.segments..]);
+        bring_near(&mut squared, &known.grid, &path[known.segments..]);
         self.measured = Some(known);
         Unswept::at(floor, path, &squared)
     }
 }
 
 /// Lowers squared distances to those from `more` segments where these are nearer.
-fn lower(squared: &mut [f32], grid: &Grid, more: &[Segment]) {
+fn bring_near(squared: &mut [f32], grid: &Grid, more: &[Segment]) {
     if more.is_empty() {
         return;
     }

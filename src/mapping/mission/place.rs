@@ -168,7 +168,7 @@ impl Mission {
                     self.tracker.lead_to(tour.sure_us(), since, &place.onto);
                     let mut told = Vec::new();
                     tour.settle_doubt(self.tracker.time_us(), &mut self.map, &mut told);
-                    // For some time, and neither wheels nor gyro told how it got there.
+                    // For some time, and what it did meanwhile it did elsewhere.
                     if was_elsewhere {
                         tour.take_back(relocation.begun_us(), &mut self.map, &mut told);
                     }
@@ -199,12 +199,8 @@ impl Mission {
     /// Whether a robot that was believed to be at `from`, and was at `place`, was farther off than its pose is
     /// unsure.
     fn was_elsewhere(&self, from: Pose, place: &Place, tour: &Tour) -> bool {
-        let was = place.of(from);
-        let off = (was.position - from.position).norm();
-        let turned = angle::wrap(was.heading - from.heading).abs();
-        let unsure = DEVIATIONS * tour.chart().looseness(&self.survey, from.position);
-        let unsure_turn = DEVIATIONS * self.survey.heading_sd();
-        off > unsure.max(ASTRAY_BY) || turned > unsure_turn.max(ASTRAY_TURN)
+        let sd = tour.chart().looseness(&self.survey, from.position);
+        is_elsewhere(&from, &place.of(from), (sd, self.survey.heading_sd()))
     }
 
     /// Takes the pose, and what was driven in a frame of its own, to the map; the place of the trajectory at
@@ -221,5 +217,30 @@ impl Mission {
             self.survey.found(pose.position, &tie, sd);
         }
         lost.since
+    }
+}
+
+/// Whether a robot that `was` there, and believed to be at `from`, known to `sd` (metres and radians), was farther off
+/// or turned more than that explains. One that was pushed and turned may have come near by chance, and maps what it
+/// meets at another bearing.
+fn is_elsewhere(from: &Pose, was: &Pose, sd: (f64, f64)) -> bool {
+    let off = (was.position - from.position).norm();
+    let turned = angle::wrap(was.heading - from.heading).abs();
+    off > (DEVIATIONS * sd.0).max(ASTRAY_BY) || turned > (DEVIATIONS * sd.1).max(ASTRAY_TURN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_is_elsewhere_that_is_farther_off_or_turned_more_than_its_pose_is_unsure() {
+        let from = Pose::new(1.0, 2.0, 3.1);
+        let is = |x: f64, turn: f64, sd| is_elsewhere(&from, &Pose::new(x, 2.0, 3.1 + turn), sd);
+        let known = (0.02, 0.01);
+        assert!(!is(1.08, 0.04, known) && !is(1.0, -0.04, known), "drift");
+        assert!(is(1.15, 0.0, known), "pushed");
+        assert!(is(1.02, 0.12, known) && is(1.02, -0.12, known), "turned, and near by chance");
+        assert!(!is(1.15, 0.12, (0.06, 0.05)), "no more than it is unsure by");
     }
 }

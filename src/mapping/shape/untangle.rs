@@ -11,8 +11,8 @@ use crate::geometry::{Point, Ring, Vector, cross};
 const OUT_OF_ORDER: f64 = 0.3;
 /// A loop longer than this, metres, may be an island, and is turned over only where that is wanted.
 const LARGEST_LOOP: f64 = 1.0;
-/// Where a loop is turned over, a side that was cut in two keeps its end where it loses more than this by a short
-/// cut to where the other one began, metres: as much is noise.
+/// Where a loop goes or is turned over, a side that was cut in two keeps its end where it loses more than this by a
+/// short cut to where the other one began, metres: as much is noise.
 const CUT_OFF: f64 = 0.02;
 
 /// A simple polygon from one that still crosses itself. The shorter loop at each crossing goes, unless it
@@ -51,14 +51,14 @@ pub(super) fn untangled(
             points[k + 1..].iter().chain(&points[..=i]).copied().collect()
         };
         looped.push(at);
+        let is_cut_off = |from: Point, to: Point| {
+            Segment::new(from, to).distance_squared(at) > CUT_OFF * CUT_OFF
+        };
         let of_something = inner.min(outer) > OUT_OF_ORDER
             || Ring::polygon(&looped).area().abs() > THICK * inner.min(outer);
         if of_something {
             points[i + 1..=k].reverse();
             let [before, after] = beside(at, [(a, b), (c, d)]);
-            let is_cut_off = |from: Point, to: Point| {
-                Segment::new(from, to).distance_squared(at) > CUT_OFF * CUT_OFF
-            };
             if is_cut_off(b, d) {
                 points.insert(k + 1, after);
             }
@@ -66,10 +66,11 @@ pub(super) fn untangled(
                 points.insert(i + 1, before);
             }
         } else if inner <= outer {
-            points.drain(i + 1..=k);
+            points.splice(i + 1..=k, is_cut_off(a, d).then_some(at));
         } else {
             points.truncate(k + 1);
             points.drain(..=i);
+            points.extend(is_cut_off(c, b).then_some(at));
         }
     }
     None
@@ -130,6 +131,40 @@ mod tests {
         {
             let off = mended.distance(Point::new(x, y));
             assert!(off < 0.01, "{what} is {off} m off: {mended:?}");
+        }
+    }
+
+    #[test]
+    fn a_face_at_whose_beginning_contacts_came_out_of_order_stays() {
+        // The same box and pillar. Seen from the one side of the gap the pillar's top has begun already, and from
+        // the other its side has not ended.
+        let mut points = polygon(&[
+            (0.0, 0.0),
+            (2.0, 0.0),
+            (2.0, 0.57),
+            (1.8, 0.8),
+            (1.5, 0.8),
+            (1.5, 1.1),
+            (1.8, 1.1),
+            (1.81, 0.81),
+            (2.009, 0.598),
+            (2.018, 0.599),
+            (2.0, 0.572),
+            (1.998, 0.6),
+            (2.2, 0.596),
+            (2.2, 0.0),
+            (4.0, 0.0),
+            (4.0, 3.0),
+            (0.0, 3.0),
+        ]);
+        for begun in 0..points.len() {
+            points.rotate_left(1);
+            let mended = untangled(points.clone(), |_| true).expect("a room with a box");
+            assert!(crossings(&corners_of(&mended)).is_empty(), "{mended:?}");
+            for (what, x, y) in [("the pillar's top", 2.1, 0.598), ("the box", 1.5, 0.95)] {
+                let off = mended.distance(Point::new(x, y));
+                assert!(off < 0.01, "{what} is {off} m off, from {begun} on: {mended:?}");
+            }
         }
     }
 

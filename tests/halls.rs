@@ -174,8 +174,9 @@ fn a_lap_of_equal_bays_closes_on_the_one_it_began_at() {
         vertices.join(", ")
     );
     let world = World::from_toml(&text, "bays", 0.1).expect("a world");
-    // The first seed: by odometry alone this lap lies a bay off as well.
-    for seed in 1..=3 {
+    // The first seed: by odometry alone this lap lies a bay off as well. The fourth: of two ends that are sure, one
+    // is a bay past the end of a wall.
+    for seed in 1..=4 {
         let settings = Settings { seed, ..Settings::new(world.start) };
         let map = common::mapped(&world, settings, NoiseProfile::Calibrated, Phase::Shape);
         let shape = map.shape.expect("a shape");

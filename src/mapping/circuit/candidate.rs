@@ -93,6 +93,14 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
+    /// Whether it takes the robot to be elsewhere than the `other` does, whatever of the beginning is nearest to
+    /// that: one that has slid by a bay takes it to be beyond the end of a wall, where nothing was driven.
+    fn is_apart(&self, other: &Self) -> bool {
+        let Some((one, other)) = self.looked.zip(other.looked) else { return false };
+        let between = (one.travelled - other.travelled).abs();
+        (one.pose.position - other.pose.position).norm() > ANOTHER_PLACE + between
+    }
+
     /// What is driven does not lie on the beginning, `driven` metres beyond the crossing.
     fn lies_badly(&mut self, driven: f64) -> Verdict {
         let since = *self.unlike.get_or_insert(driven);
@@ -263,8 +271,11 @@ impl Circuit {
         if driven > MOST_FREE_OVERLAP || sure.peek().is_none() {
             return false;
         }
-        let here = self.lap_of(&self.candidates[index], tracker);
-        sure.any(|other| (self.lap_of(other, tracker) - here).abs() > ANOTHER_PLACE)
+        let one = &self.candidates[index];
+        let here = self.lap_of(one, tracker);
+        sure.any(|other| {
+            one.is_apart(other) || (self.lap_of(other, tracker) - here).abs() > ANOTHER_PLACE
+        })
     }
 
     /// How long the lap is, metres by odometer, if the robot is where the candidate takes it to be: the same for

@@ -55,8 +55,8 @@ const ON: f64 = 0.2;
 /// Where an overlap lies elsewhere as well, it is looked at again after so much more of it, metres.
 const ALIKE: f64 = 1.0;
 
-/// Candidates that take the robot to be farther apart on the beginning than this along the lap, metres, are of
-/// different places; what faces another way there than the robot does, radians, is not where it is.
+/// Candidates that take the robot to be farther apart on the beginning than this, metres, along the lap or straight
+/// across, are of different places; what faces another way there than the robot does, radians, is not where it is.
 const ANOTHER_PLACE: f64 = 0.9;
 const SAME_WAY: f64 = 1.0;
 

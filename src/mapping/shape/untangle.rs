@@ -18,8 +18,8 @@ const CUT_OFF: f64 = 0.02;
 /// A simple polygon from one that still crosses itself. The shorter loop at each crossing goes, unless it
 /// is of something: what hangs on a neck that crosses itself is turned over, and the neck is open again, and so is
 /// the end of a thin board whose faces noise has laid through each other. A loop of more than a metre goes like
-/// that where its two sides that cross are to be `turned`; none else. What is turned over leaves the sides that
-/// crossed their ends.
+/// that where its two sides that cross are to be `turned`; none else. What goes or is turned over leaves the sides
+/// that crossed their ends.
 pub(super) fn untangled(
     mut points: Vec<Point>,
     turned: impl Fn([(Point, Point); 2]) -> bool,

@@ -78,6 +78,13 @@ pub enum EventKind {
         /// Whether the robot is outside of what it went round.
         extrinsic: bool,
     },
+    /// The lap would have closed elsewhere as well; the end that leaves the gyro the least drift was taken.
+    LapAlike {
+        /// By how much it is longer then, metres by odometer.
+        longer: f64,
+        /// By how much the gyro drifts then, radians per second.
+        drift: f64,
+    },
     /// A lap was given up.
     LapFailed {
         /// Why.

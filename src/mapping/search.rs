@@ -6,7 +6,7 @@ mod lap;
 pub use lap::{lap_contacts, lap_strokes, lap_things, straight_contacts, whole_lap};
 
 use super::adjust::Adjustment;
-use super::circuit::{Circuit, Closure, Leg};
+use super::circuit::{Alike, Circuit, Closure, Leg};
 use super::drift::Unwound;
 use super::event::{EventKind, Failure};
 use super::follow::{Ask, AtRest, STRIDE, Side};
@@ -249,22 +249,10 @@ impl Search {
                         return Next::Go(ask);
                     }
                     Leg::Closed(closure, overlap) => {
-                        let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
-                        self.wall = circuit.wall;
-                        self.unwind(closure.drift, tracker, map);
-                        if !extrinsic && let Some(retreat) = self.way_out(tracker, &closure) {
-                            tell.push(EventKind::Pocket { length });
-                            self.doing = Doing::Leaving(retreat);
-                            continue;
+                        let lap = (closure, overlap);
+                        if let Some(found) = self.lapped(*circuit, lap, tracker, rest, map, tell) {
+                            return found;
                         }
-                        self.laps += 1;
-                        tell.push(EventKind::LapClosed { length, extrinsic });
-                        if !extrinsic {
-                            return Next::Found(closure, overlap);
-                        }
-                        self.record(tracker, &closure, &overlap, map, tell);
-                        self.earlier.push((closure, self.wall.clone()));
-                        self.turn_elsewhere(&AtRest { pose: tracker.pose(), ..*rest }, tell);
                     }
                     Leg::Failed(why) => {
                         tell.push(EventKind::LapFailed { why });
@@ -273,6 +261,37 @@ impl Search {
                 },
             }
         }
+    }
+
+    /// The `circuit` closed: it was the boundary, or what the robot leaves for another direction.
+    fn lapped(
+        &mut self,
+        circuit: Circuit,
+        (closure, overlap): (Closure, Box<Overlap>),
+        tracker: &mut Tracker,
+        rest: &AtRest,
+        map: &mut RoomMap,
+        tell: &mut Vec<EventKind>,
+    ) -> Option<Next> {
+        let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
+        let alike = circuit.alike();
+        self.wall = circuit.wall;
+        self.unwind(closure.drift, tracker, map);
+        if !extrinsic && let Some(retreat) = self.way_out(tracker, &closure) {
+            tell.push(EventKind::Pocket { length });
+            self.doing = Doing::Leaving(retreat);
+            return None;
+        }
+        self.laps += 1;
+        tell.push(EventKind::LapClosed { length, extrinsic });
+        tell.extend(alike.map(|Alike { longer, drift }| EventKind::LapAlike { longer, drift }));
+        if !extrinsic {
+            return Some(Next::Found(closure, overlap));
+        }
+        self.record(tracker, &closure, &overlap, map, tell);
+        self.earlier.push((closure, self.wall.clone()));
+        self.turn_elsewhere(&AtRest { pose: tracker.pose(), ..*rest }, tell);
+        None
     }
 
     /// The way out of the pocket that a lap closed in, if it was one.

@@ -5,7 +5,7 @@
 use crate::geometry::{Point, Pose, Vector, angle, rotate};
 use crate::mapping::circuit::Closure;
 use crate::mapping::lay::{Overlap, Seen, lay, lay_as};
-use crate::mapping::map::ContactKind;
+use crate::mapping::map::{ContactKind, PathPoint};
 use crate::mapping::survey::Survey;
 use crate::mapping::wall::Sighting;
 use nalgebra::{Matrix3, Vector3};
@@ -98,6 +98,15 @@ impl Placed {
         let by = there.position - self.pose.position;
         let turn = angle::wrap(there.heading - self.pose.heading);
         Some(Led { centre: there.position, off: Vector3::new(by.x, by.y, turn) })
+    }
+
+    /// Where the robot really is when it believes itself `here`, on from there along its `path`; none where that
+    /// does not reach back.
+    #[must_use]
+    pub fn on(&self, path: &[PathPoint], here: Pose) -> Option<Point> {
+        let after = path.partition_point(|place| place.time_us < self.time_us);
+        let then = path.get(after).map(|place| place.pose)?;
+        Some(self.pose.to_world(then.to_local(here.position)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Whether a crossing is the end of the lap: what is driven beyond it is laid on the beginning. It judges
 //! crossings that were found; it refuses to know how, and where the robot goes.
 
-use super::{Anchor, Circuit, Closure};
+use super::{Alike, Anchor, Circuit, Closure};
 use crate::geometry::{Point, angle};
 use crate::mapping::adjust::{Before, Led, Placed, Traverse, lead_on, lies_elsewhere, measure};
 use crate::mapping::drift::Unwound;
@@ -93,12 +93,12 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// Whether it takes the robot to be elsewhere than the `other` does, whatever of the beginning is nearest to
-    /// that: one that has slid by a bay takes it to be beyond the end of a wall, where nothing was driven.
-    fn is_apart(&self, other: &Self) -> bool {
-        let Some((one, other)) = self.looked.zip(other.looked) else { return false };
-        let between = (one.travelled - other.travelled).abs();
-        (one.pose.position - other.pose.position).norm() > ANOTHER_PLACE + between
+    /// Whether it takes the robot to be elsewhere now than the `other` does, whatever of the beginning is nearest to
+    /// that: one that has slid by a bay takes it to be beyond the end of a wall, where nothing was driven. Each was
+    /// looked at when it was time, some metres ago for one.
+    fn is_apart(&self, other: &Self, tracker: &Tracker) -> bool {
+        let now = |one: &Self| one.looked.and_then(|at| at.on(tracker.path(), tracker.pose()));
+        now(self).zip(now(other)).is_some_and(|(one, other)| (one - other).norm() > ANOTHER_PLACE)
     }
 
     /// What is driven does not lie on the beginning, `driven` metres beyond the crossing.
@@ -262,19 +262,43 @@ impl Circuit {
     }
 
     /// Whether another candidate, with another drift, is as sure of another place than the one that would end
-    /// the lap as `closure`: what is driven on tells which.
+    /// the lap as `closure`: what is driven on tells which. Until then one that takes less drift out of the gyro
+    /// and has not lain badly yet is worth waiting for.
     pub(super) fn is_contested(&self, index: usize, closure: &Closure, tracker: &Tracker) -> bool {
+        let one = &self.candidates[index];
         let driven = tracker.travelled() - closure.to.travelled;
+        let has_told = driven > MOST_FREE_OVERLAP;
+        let other = self.apart_from(index, tracker, |other| {
+            let (is_held, drifts_less) = (other.held.is_some(), other.rate.abs() < one.rate.abs());
+            // A ring of bays that are all alike never tells: then the gyro is believed as far as may be.
+            let may_be = drifts_less && other.unlike.is_none();
+            if has_told { is_held && drifts_less } else { is_held || other.alike || may_be }
+        });
+        other.is_some()
+    }
+
+    /// Where else the lap would end as well as by this candidate, for all that was driven beyond it.
+    pub(super) fn ends_as_well(&self, index: usize, tracker: &Tracker) -> Option<Alike> {
+        let other = self.apart_from(index, tracker, |other| other.held.is_some())?;
+        let lap = |of: &Candidate| self.lap_of(of, tracker);
+        Some(Alike { longer: lap(other) - lap(&self.candidates[index]), drift: other.rate })
+    }
+
+    /// One of the `wanted` candidates that is of another place than this one.
+    fn apart_from(
+        &self,
+        index: usize,
+        tracker: &Tracker,
+        wanted: impl Fn(&Candidate) -> bool,
+    ) -> Option<&Candidate> {
         let others = self.candidates.iter().enumerate().filter(|(k, _)| *k != index);
-        let sure = others.map(|(_, other)| other).filter(|c| c.alike || c.held.is_some());
-        let mut sure = sure.peekable();
-        if driven > MOST_FREE_OVERLAP || sure.peek().is_none() {
-            return false;
-        }
+        let mut wanted = others.map(|(_, other)| other).filter(|other| wanted(other)).peekable();
+        wanted.peek()?;
         let one = &self.candidates[index];
         let here = self.lap_of(one, tracker);
-        sure.any(|other| {
-            one.is_apart(other) || (self.lap_of(other, tracker) - here).abs() > ANOTHER_PLACE
+        wanted.find(|other| {
+            one.is_apart(other, tracker)
+                || (self.lap_of(other, tracker) - here).abs() > ANOTHER_PLACE
         })
     }
 

@@ -46,6 +46,15 @@ impl Anchor {
     }
 }
 
+/// Another end of a lap that all that was driven beyond it fits as well: bays that are alike all round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alike {
+    /// By how much the lap is longer then, metres by odometer.
+    pub longer: f64,
+    /// ... and by how much the gyro drifts, radians per second.
+    pub drift: f64,
+}
+
 /// A lap that closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closure {

@@ -202,9 +202,13 @@ fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
-/// What became of a lap.
+/// Where a wall is looked for, and what became of the lap round it.
 fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
+        EventKind::Heading { heading, tried } => {
+            let (towards, time) = (heading.to_degrees(), tried + 1);
+            write!(f, "looking for a wall towards {towards:.0}° (try {time})")
+        }
         EventKind::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),
         EventKind::LapClosed { length, extrinsic: false } => {
             write!(f, "lap closed after {length:.2} m, gone round from inside, as a boundary is")
@@ -212,6 +216,14 @@ fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         EventKind::LapClosed { length, extrinsic: true } => {
             write!(f, "lap closed after {length:.2} m, gone round from outside, as an object is")
         }
+        EventKind::LapAlike { longer, drift } => write!(
+            f,
+            "its walls are alike all round: it would close {:.2} m {} as well, if the gyro drifted by {:.0}°/h; the \
+             least drift is believed: compare a length of the map with a tape",
+            longer.abs(),
+            if *longer < 0.0 { "sooner" } else { "later" },
+            drift.abs().to_degrees() * 3600.0
+        ),
         EventKind::LapFailed { why } => write!(f, "lap given up: {why}"),
         EventKind::Pocket { length } => write!(
             f,
@@ -368,14 +380,6 @@ impl fmt::Display for EventKind {
         match self {
             Self::PhaseBegan { phase } => write!(f, "{phase} phase begins"),
             Self::PhaseEnded { phase } => write!(f, "{phase} phase done"),
-            Self::Heading { heading, tried } => {
-                write!(
-                    f,
-                    "looking for a wall towards {:.0}° (try {})",
-                    heading.to_degrees(),
-                    tried + 1
-                )
-            }
             Self::ContactGained { by } => write!(f, "contact: {by}"),
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),
@@ -389,8 +393,10 @@ impl fmt::Display for EventKind {
             | Self::SquareNoted { .. }
             | Self::NothingSquare
             | Self::Unsquared => squaring(f, self),
-            Self::LapCandidate { .. }
+            Self::Heading { .. }
+            | Self::LapCandidate { .. }
             | Self::LapClosed { .. }
+            | Self::LapAlike { .. }
             | Self::LapFailed { .. }
             | Self::Pocket { .. }
             | Self::LedBack { .. }
@@ -456,7 +462,8 @@ impl EventKind {
             Self::Reason { .. } | Self::Fixed { .. } | Self::NearBoundary | Self::Corner { .. } => {
                 Severity::Detail
             }
-            Self::LapFailed { .. }
+            Self::LapAlike { .. }
+            | Self::LapFailed { .. }
             | Self::LapCut { .. }
             | Self::Pocket { .. }
             | Self::LedBack { .. }

@@ -216,7 +216,7 @@ fn round_the_ring(noise: NoiseProfile, seed: u64) -> (f64, Vec<f64>) {
         run.advance();
     }
     let alike = run.session().events().iter().filter_map(|event| match event.kind {
-        EventKind::LapAlike { longer, .. } => Some(longer),
+        EventKind::LapAlike { alike } => Some(alike.longer),
         _ => None,
     });
     let alike = alike.collect();

@@ -269,7 +269,7 @@ mod tests {
     use super::super::sample;
     use super::*;
     use crate::geometry::Point;
-    use crate::mapping::map::LineStatus;
+    use crate::mapping::map::{Alike, LineStatus};
     use serde_json::Value;
 
     fn parsed(record: &RunRecord<'_>) -> Value {
@@ -371,6 +371,16 @@ mod tests {
         let report = parsed(&sample.record());
         assert_eq!(report["boundary"]["standard_error"]["walls"]["median_m"], 0.003);
         assert_eq!(report["boundary"]["standard_error"]["walls"]["worst_m"], 0.009);
+    }
+
+    #[test]
+    fn a_lap_that_closes_elsewhere_as_well_says_where() {
+        let mut sample = sample::room();
+        assert!(parsed(&sample.record())["boundary"].get("closes_as_well").is_none());
+        sample.map.alike = Some(Alike { longer: -2.01, drift: -3.0e-4 });
+        let report = parsed(&sample.record());
+        assert_eq!(report["boundary"]["closes_as_well"]["longer_m"], -2.01);
+        assert_eq!(report["boundary"]["closes_as_well"]["drift_deg_h"], -61.88);
     }
 
     #[test]

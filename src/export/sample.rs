@@ -93,6 +93,7 @@ pub(crate) fn room() -> Sample {
         contacts: outline.to_points(0.01).into_iter().map(contact).collect(),
         closed: true,
         misclosure: Some(Misclosure { dx: 0.012, dy: -0.004, heading: 0.003, lap: 12.6 }),
+        alike: None,
         shape: Some(shape(outline)),
         plan: Some(plan()),
         objects: objects(),

@@ -16,7 +16,7 @@ mod crossing;
 mod led_off;
 mod way_out;
 
-pub use closure::{Alike, Anchor, Closure, Pocket};
+pub use closure::{Anchor, Closure, Pocket};
 
 use super::drift::Drifts;
 use super::event::Failure;
@@ -87,8 +87,6 @@ pub struct Circuit {
     untold_gap: Option<f64>,
     /// The narrowest gap it is sent through, metres.
     passable: f64,
-    /// Where else it would have ended as well, once it has.
-    alike: Option<Alike>,
     /// It goes round something else than it began with, in the same room as here, or in a pocket of it.
     led_from: Option<Point>,
     /// How often the lap began anew.
@@ -120,7 +118,6 @@ impl Circuit {
             parted: None,
             untold_gap: None,
             passable: chassis.passable_gap(),
-            alike: None,
             led_from: None,
             begun_anew: 0,
             within: None,
@@ -170,12 +167,6 @@ impl Circuit {
         self.untold_gap.take()
     }
 
-    /// Where else the lap that has closed would have ended as well: its walls are alike there.
-    #[must_use]
-    pub fn alike(&self) -> Option<Alike> {
-        self.alike
-    }
-
     /// The robot came to rest: what next?
     pub fn next(&mut self, tracker: &Tracker, rest: &AtRest) -> Leg {
         self.drifts.follow(tracker.pose(), tracker.active());
@@ -191,8 +182,8 @@ impl Circuit {
                     self.passed.push(self.candidates.remove(index).wound.1);
                 }
                 Verdict::Closed(closure, _) if self.is_contested(index, &closure, tracker) => {}
-                Verdict::Closed(closure, overlap) => {
-                    self.alike = self.ends_as_well(index, tracker);
+                Verdict::Closed(mut closure, overlap) => {
+                    closure.alike = self.ends_as_well(index, tracker);
                     return Leg::Closed(closure, overlap);
                 }
                 Verdict::Another => self.passed.push(self.candidates.remove(index).wound.1),

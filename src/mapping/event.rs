@@ -1,7 +1,7 @@
 //! What happened and why, as the screen, the journal and the tests share it. How it is said is in
 //! `words`.
 
-use super::map::{LineReason, Phase, ShapeClass};
+use super::map::{Alike, LineReason, Phase, ShapeClass};
 use super::square::Squared;
 use super::trust::Defect;
 use crate::geometry::Point;
@@ -80,10 +80,8 @@ pub enum EventKind {
     },
     /// The lap would have closed elsewhere as well; the end that leaves the gyro the least drift was taken.
     LapAlike {
-        /// By how much it is longer then, metres by odometer.
-        longer: f64,
-        /// By how much the gyro drifts then, radians per second.
-        drift: f64,
+        /// The other end.
+        alike: Alike,
     },
     /// A lap was given up.
     LapFailed {

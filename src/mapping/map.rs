@@ -88,6 +88,24 @@ impl Misclosure {
     }
 }
 
+/// Another end of a lap that all that was driven beyond it fits as well: bays that are alike all round.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Alike {
+    /// By how much the lap is longer then, metres by odometer.
+    pub longer: f64,
+    /// By how much the gyro drifts then, radians per second.
+    pub drift: f64,
+}
+
+impl Alike {
+    /// Where that is along the lap, in words.
+    #[must_use]
+    pub fn where_to(&self) -> String {
+        let later = if self.longer < 0.0 { "sooner" } else { "later" };
+        format!("{:.2} m {later}", self.longer.abs())
+    }
+}
+
 /// The shape of the boundary (paper III.D).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -390,6 +408,9 @@ pub struct RoomMap {
     pub closed: bool,
     /// Misclosure of that lap, before adjusting.
     pub misclosure: Option<Misclosure>,
+    /// Where else that lap would have closed as well; the end that leaves the gyro the least drift was taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alike: Option<Alike>,
     /// The Shape phase's result.
     pub shape: Option<Shape>,
     /// The Plan phase's result.

@@ -6,7 +6,7 @@ mod lap;
 pub use lap::{lap_contacts, lap_strokes, lap_things, straight_contacts, whole_lap};
 
 use super::adjust::Adjustment;
-use super::circuit::{Alike, Circuit, Closure, Leg};
+use super::circuit::{Circuit, Closure, Leg};
 use super::drift::Unwound;
 use super::event::{EventKind, Failure};
 use super::follow::{Ask, AtRest, STRIDE, Side};
@@ -274,7 +274,6 @@ impl Search {
         tell: &mut Vec<EventKind>,
     ) -> Option<Next> {
         let (length, extrinsic) = (closure.length(), closure.is_extrinsic());
-        let alike = circuit.alike();
         self.wall = circuit.wall;
         self.unwind(closure.drift, tracker, map);
         if !extrinsic && let Some(retreat) = self.way_out(tracker, &closure) {
@@ -284,7 +283,7 @@ impl Search {
         }
         self.laps += 1;
         tell.push(EventKind::LapClosed { length, extrinsic });
-        tell.extend(alike.map(|Alike { longer, drift }| EventKind::LapAlike { longer, drift }));
+        tell.extend(closure.alike.map(|alike| EventKind::LapAlike { alike }));
         if !extrinsic {
             return Some(Next::Found(closure, overlap));
         }

@@ -210,6 +210,9 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let parts = vec![words::small(size), heading, ratio];
         rows.push(figures("misclos", parts, Role::Value).spare(1));
     }
+    if let Some(alike) = map.alike {
+        rows.push(row("as well", alike.where_to(), Role::Warning));
+    }
     if map.laps > 1 {
         let laps = vec![format!("{},", map.laps), "averaged".to_owned()];
         rows.push(figures("laps", laps, Role::Value).spare(2));

@@ -17,6 +17,9 @@ pub(super) struct Boundary {
     /// How many laps the boundary is the mean of.
     averaged_laps: u32,
     misclosure: Option<MisclosureFigures>,
+    /// Another end that the lap fits as well; there only where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    closes_as_well: Option<AlikeFigures>,
     /// Null until there is an outline.
     standard_error: Option<ErrorFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,6 +83,13 @@ struct MisclosureFigures {
     ratio: Option<f64>,
 }
 
+/// By how much the lap is longer at its other end, by odometer, and what the gyro drifts then.
+#[derive(Serialize)]
+struct AlikeFigures {
+    longer_m: f64,
+    drift_deg_h: f64,
+}
+
 impl Boundary {
     pub(super) fn of(record: &RunRecord<'_>) -> Option<Self> {
         let ring = boundary(record)?;
@@ -89,6 +99,10 @@ impl Boundary {
             laps: record.laps,
             averaged_laps: record.map.laps,
             misclosure: record.map.misclosure.as_ref().map(misclosure),
+            closes_as_well: record.map.alike.map(|alike| AlikeFigures {
+                longer_m: rounded(alike.longer, 4),
+                drift_deg_h: rounded(alike.drift.to_degrees() * 3600.0, 2),
+            }),
             standard_error: record.map.accuracy.as_ref().and_then(errors),
             squared: squared(record),
             taped: record.map.taped.map(|taped| TapedFigures {

@@ -168,6 +168,9 @@ fn run(record: &RunRecord<'_>) -> String {
         let miss = crate::geometry::angle::hypot(off.dx, off.dy) * 1e3;
         words.push(format!("misclosure {miss:.0} mm"));
     }
+    if let Some(alike) = &record.map.alike {
+        words.push(format!("closes as well {}", alike.where_to()));
+    }
     if !record.noise.is_empty() {
         words.push(format!("noise {}, seed {}", record.noise, record.settings.seed));
     }

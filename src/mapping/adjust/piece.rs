@@ -264,7 +264,16 @@ mod tests {
         };
         let (from, to) = (anchor(-0.01), anchor(lap - 0.01));
         let (side, last_round) = (Side::Right, from.travelled);
-        Closure { from, to, side, drift: 0.0, last_round, over: to.travelled, pocket: None }
+        Closure {
+            from,
+            to,
+            side,
+            drift: 0.0,
+            last_round,
+            over: to.travelled,
+            pocket: None,
+            alike: None,
+        }
     }
 
     #[test]

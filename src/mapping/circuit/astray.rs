@@ -337,7 +337,8 @@ mod tests {
         let (from, to) = (circuit.trail[0], circuit.trail[63]);
         let side = Side::Left;
         let (drift, last_round, over) = (0.0, 0.0, to.travelled);
-        let closure = Closure { from, to, side, drift, last_round, over, pocket: None };
+        let closure =
+            Closure { from, to, side, drift, last_round, over, pocket: None, alike: None };
         assert!(!circuit.is_pocket(&closure), "it never began anew");
         circuit.led_from = Some(Point::new(0.3, 0.2));
         assert!(!circuit.is_pocket(&closure), "it was led off in this room");

@@ -1,11 +1,12 @@
 //! Whether a crossing is the end of the lap: what is driven beyond it is laid on the beginning. It judges
 //! crossings that were found; it refuses to know how, and where the robot goes.
 
-use super::{Alike, Anchor, Circuit, Closure};
+use super::{Anchor, Circuit, Closure};
 use crate::geometry::{Point, angle};
 use crate::mapping::adjust::{Before, Led, Placed, Traverse, lead_on, lies_elsewhere, measure};
 use crate::mapping::drift::Unwound;
 use crate::mapping::lay::Overlap;
+use crate::mapping::map::Alike;
 use crate::mapping::odometry::Tracker;
 use crate::mapping::wall::Sighting;
 use std::borrow::Cow;
@@ -362,7 +363,8 @@ impl Circuit {
         // Rounds of the whole lap, led astray by drift, look like those of a pocket meanwhile.
         let pocket = self.pocket.filter(|pocket| pocket.lies_within(last_round, to.travelled));
         let over = to.travelled;
-        let closure = Closure { from, to, side, drift: rate, last_round, over, pocket };
+        let closure =
+            Closure { from, to, side, drift: rate, last_round, over, pocket, alike: None };
         let traverse = Traverse::between(path, tracker.resolution(), &closure);
         // Where any drift may be, what is driven on bends with it.
         let driven = tracker.travelled() - to.travelled;

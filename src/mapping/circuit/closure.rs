@@ -4,6 +4,7 @@
 use crate::geometry::Pose;
 use crate::mapping::drift::Unwound;
 use crate::mapping::follow::Side;
+use crate::mapping::map::Alike;
 use crate::mapping::odometry::Tracker;
 
 /// So much before it begins, and beyond its end, still is of a lap, metres.
@@ -46,15 +47,6 @@ impl Anchor {
     }
 }
 
-/// Another end of a lap that all that was driven beyond it fits as well: bays that are alike all round.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Alike {
-    /// By how much the lap is longer then, metres by odometer.
-    pub longer: f64,
-    /// ... and by how much the gyro drifts, radians per second.
-    pub drift: f64,
-}
-
 /// A lap that closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closure {
@@ -73,6 +65,8 @@ pub struct Closure {
     pub over: f64,
     /// What was driven round and round in a pocket on the way, if it came into one.
     pub pocket: Option<Pocket>,
+    /// Where else it would have closed as well.
+    pub alike: Option<Alike>,
 }
 
 /// A stretch of a lap that ended where it began, and says nothing new.

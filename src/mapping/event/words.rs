@@ -216,13 +216,12 @@ fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         EventKind::LapClosed { length, extrinsic: true } => {
             write!(f, "lap closed after {length:.2} m, gone round from outside, as an object is")
         }
-        EventKind::LapAlike { longer, drift } => write!(
+        EventKind::LapAlike { alike } => write!(
             f,
-            "its walls are alike all round: it would close {:.2} m {} as well, if the gyro drifted by {:.0}°/h; the \
+            "its walls are alike all round: it would close {} as well, if the gyro drifted by {:.0}°/h; the \
              least drift is believed: compare a length of the map with a tape",
-            longer.abs(),
-            if *longer < 0.0 { "sooner" } else { "later" },
-            drift.abs().to_degrees() * 3600.0
+            alike.where_to(),
+            alike.drift.abs().to_degrees() * 3600.0
         ),
         EventKind::LapFailed { why } => write!(f, "lap given up: {why}"),
         EventKind::Pocket { length } => write!(

@@ -69,6 +69,7 @@ impl Mission {
         self.way = lap_strokes(search.wall(), closure, &adjustment);
         self.map.closed = true;
         self.map.misclosure = Some(overlap.misclosure);
+        self.map.alike = closure.alike;
         self.map.laps = 1;
         self.survey = adjustment.into_survey();
         let before = self.tracker.pose();

@@ -2,6 +2,8 @@
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "common/reported.rs"]
+mod reported;
 
 use periplus::console::Keymap;
 use periplus::console::frame::planes;
@@ -220,6 +222,16 @@ vertices = [
     [4.02, 2], [4.02, 1.145], [4, 1.145], [4, 3], [0, 3],
 ]
 "#;
+
+#[test]
+fn once_round_a_room_and_twice_round_the_one_behind_a_strait_is_one_lap_of_both() {
+    // Before, such a lap was taken for four rounds of the small room, since it is about four times as long, and the
+    // map was of that room only: the robot had not begun in it.
+    for (noise, seed) in [("calibrated", 54), ("calibrated", 85), ("raw", 42)] {
+        let (area, _) = reported::bounded(STRAIT, noise, seed);
+        assert!(area > 15.5, "{noise}, seed {seed}: {area} m2");
+    }
+}
 
 #[test]
 fn a_lap_more_still_knows_what_is_behind_a_strait() {

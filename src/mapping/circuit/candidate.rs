@@ -320,8 +320,9 @@ impl Circuit {
         nearest.map_or(by_crossing, |place| looked.travelled - place.travelled)
     }
 
-    /// Where the last round of a lap began, when it closed on a later round only: all along that and
-    /// the round before, the robot came by the same places, as its way is without the drift.
+    /// Where the last round of a lap began, when it closed on a later round only: on all of them the robot came by
+    /// the same places, as its way is without the drift. Twice round a room behind a strait, after once round the
+    /// room before that, is one lap of both.
     fn last_round(&self, from: &Anchor, to: &Anchor, unwound: Option<&Unwound>) -> f64 {
         let trail = unwound.map_or(Cow::Borrowed(&self.trail), |unwound| {
             Cow::Owned(self.trail.iter().map(|place| place.unwound(unwound)).collect())
@@ -335,13 +336,13 @@ impl Circuit {
             let count = rounds.round();
             let whole = (2.0..MOST_ROUNDS).contains(&count)
                 && (rounds - count).abs() < ROUNDS_ALIKE * count;
-            whole
-                && [0.0, 0.2, 0.4, 0.6, 0.8].iter().all(|share| {
-                    let (now, then) = (to.travelled - share * round, travelled - share * round);
-                    passed(&trail, now)
-                        .zip(passed(&trail, then))
-                        .is_some_and(|(a, b)| (a - b).norm() < near)
-                })
+            let is_as_before = |ago: f64| {
+                let (now, then) = (to.travelled - ago * round, travelled - ago * round);
+                let both = passed(&trail, now).zip(passed(&trail, then));
+                both.is_some_and(|(a, b)| (a - b).norm() < near)
+            };
+            let fifths = 5 * (count as u32).saturating_sub(1);
+            whole && (0..fifths).all(|fifth| is_as_before(f64::from(fifth) / 5.0))
         };
         let places = trail.iter().map(|place| place.travelled).filter(|at| alike(*at));
         places.fold(from.travelled, f64::max)

@@ -32,7 +32,7 @@ const LEGEND: [(Role, &str, &str); 13] = [
 ];
 
 /// The words of the screen that are not plain.
-const FIGURES: [(&str, &str); 22] = [
+const FIGURES: [(&str, &str); 23] = [
     ("× live", "how fast simulated time passes; live: a real robot, which has its own"),
     ("phase …", "how far a phase has come cannot be told"),
     ("pose", "x, y in metres and heading, anti-clockwise from east, as believed"),
@@ -45,6 +45,7 @@ const FIGURES: [(&str, &str); 22] = [
         "misclos",
         "by how much the lap missed where it began, before adjusting: way, heading, 1 in N",
     ),
+    ("as well", "where else the lap would close as well, since its walls are alike: a tape tells"),
     ("laps", "how many times the boundary was gone round; their average is the map"),
     ("shape", "its class and area; a part is planned for itself, a vertex is a corner"),
     ("± walls", "standard error of a wall in the middle of all; corners: of the worst corner"),

@@ -6,7 +6,7 @@ mod objects;
 use super::pen::Pen;
 use super::{switches, words};
 use crate::console::theme::{Role, Theme};
-use crate::mapping::map::{LineStatus, Phase, ShapeClass};
+use crate::mapping::map::{Alike, LineStatus, Phase, ShapeClass};
 use crate::mapping::settings::Strategy;
 use crate::robot::DoneReason;
 use crate::session::snapshot::{Known, RobotView, Snapshot};
@@ -192,6 +192,11 @@ fn robot_rows(snapshot: &Snapshot, room: u16) -> Vec<Row> {
     }
 }
 
+/// Where else the lap would have closed: what gives way last.
+fn alike_row(alike: Alike) -> Row {
+    row("as well", alike.where_to(), Role::Warning)
+}
+
 /// What the lap has come to: how well it closed, and the shape of what it went round.
 fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
     let map = &snapshot.map;
@@ -210,9 +215,7 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         let parts = vec![words::small(size), heading, ratio];
         rows.push(figures("misclos", parts, Role::Value).spare(1));
     }
-    if let Some(alike) = map.alike {
-        rows.push(row("as well", alike.where_to(), Role::Warning));
-    }
+    rows.extend(map.alike.map(alike_row));
     if map.laps > 1 {
         let laps = vec![format!("{},", map.laps), "averaged".to_owned()];
         rows.push(figures("laps", laps, Role::Value).spare(2));
@@ -350,6 +353,17 @@ mod tests {
         assert_eq!(labels(2), ["a"]);
         assert_eq!(labels(1), ["a"]);
         assert!(labels(0).is_empty());
+    }
+
+    #[test]
+    fn another_end_of_the_lap_is_told_however_little_room_there_is() {
+        let rows = [
+            row("misclos", "", Role::Value).spare(1),
+            alike_row(Alike { longer: -2.06, drift: -3e-4 }),
+        ];
+        let [left] = &fitting(rows.into(), 24, 1)[..] else { panic!("no room for it") };
+        assert_eq!((left.label.as_str(), left.role), ("as well", Role::Warning));
+        assert_eq!(left.parts.join(" "), "2.06 m sooner");
     }
 
     #[test]

@@ -125,19 +125,24 @@ fn a_lap_whose_walls_run_in_steps_closes_at_once_and_on_the_right_step() {
 
 /// A hall of 24 x 10 m with bays of 0.6 x 0.4 m all round, every 1.2 m.
 fn bays() -> Vec<Point> {
-    let corners = [(0.0, 0.0), (24.0, 0.0), (24.0, 10.0), (0.0, 10.0)];
+    bays_along((24.0, 10.0), 1.2, (0.6, 0.4))
+}
+
+/// A hall so long and broad with bays all round, every `pace` metres, that are so wide and deep.
+fn bays_along((long, broad): (f64, f64), pace: f64, (wide, deep): (f64, f64)) -> Vec<Point> {
+    let corners = [(0.0, 0.0), (long, 0.0), (long, broad), (0.0, broad)];
     let mut outline = Vec::new();
     for (k, (x, y)) in corners.into_iter().enumerate() {
         let (from, to) = (Point::new(x, y), corners[(k + 1) % 4]);
         let to = Point::new(to.0, to.1);
         let along = (to - from).normalize();
-        let out = perp(along) * -0.4;
+        let out = perp(along) * -deep;
         outline.push(from);
-        let count = ((to - from).norm() / 1.2).floor();
-        let first = ((to - from).norm() - count * 1.2) / 2.0 + 0.3;
+        let count = ((to - from).norm() / pace).floor();
+        let first = ((to - from).norm() - count * pace + pace - wide) / 2.0;
         for bay in 0..count as u32 {
-            let begin = from + along * (first + f64::from(bay) * 1.2);
-            let end = begin + along * 0.6;
+            let begin = from + along * (first + f64::from(bay) * pace);
+            let end = begin + along * wide;
             outline.extend([begin, begin + out, end + out, end]);
         }
     }
@@ -186,6 +191,21 @@ fn a_lap_of_equal_bays_closes_on_the_one_it_began_at() {
         let worst = laid_on(&shape.outline, &outline).iter().map(off).fold(0.0, f64::max);
         assert!(worst < 0.2, "seed {seed}: a corner of the hall is {worst} m off the outline");
     }
+}
+
+#[test]
+fn a_lap_is_as_long_as_its_end_that_lies_where_it_was_crossed() {
+    // Of two ends that lie at one place the later one was found a bay on: with the walls of that bay twice on it the
+    // lap made no outline.
+    let outline = bays_along((16.0, 8.0), 1.6, (1.0, 1.2));
+    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
+    let text = format!(
+        "name = \"cells\"\nstart = {{ x = 5, y = 4, heading = 20 }}\n[boundary]\nvertices = [{}]\n",
+        vertices.join(", ")
+    );
+    let (area, _) = reported::bounded(&text, "calibrated", 14);
+    let all = Ring::polygon(&outline).area();
+    assert!((area / all - 1.0).abs() < 0.02, "{area} m2 instead of {all}");
 }
 
 /// A round hall of 10 m with 24 bays of 0.4 m all round: any turn of it by a bay lies on itself.

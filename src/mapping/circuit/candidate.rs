@@ -278,6 +278,21 @@ impl Circuit {
         other.is_some()
     }
 
+    /// Whether the candidate lies where it was not crossed, a bay on, and another that is as sure was crossed where
+    /// the two of them lie: the lap is as long as that one says.
+    pub(super) fn is_found_better(&self, index: usize, tracker: &Tracker) -> bool {
+        let is_beside = |one: &Candidate| {
+            let by_crossing = one.wound.1.travelled - one.wound.0.travelled;
+            (self.lap_of(one, tracker) - by_crossing).abs() > ANOTHER_PLACE
+        };
+        let one = &self.candidates[index];
+        let is_better = |other: &Candidate| {
+            let is_apart = one.is_apart(other, tracker);
+            other.held.is_some() && !is_apart && !is_beside(other)
+        };
+        self.candidates.len() > 1 && is_beside(one) && self.candidates.iter().any(is_better)
+    }
+
     /// Where else the lap would end as well as by this candidate, for all that was driven beyond it.
     pub(super) fn ends_as_well(&self, index: usize, tracker: &Tracker) -> Option<Alike> {
         let other = self.apart_from(index, tracker, |other| other.held.is_some())?;

@@ -75,6 +75,13 @@ fn a_hall_that_drift_winds_up_closes_on_the_place_it_began_at() {
     assert!(way < 500.0, "{way} m");
 }
 
+/// The world of a room with these corners, and where the robot starts in it.
+fn room(outline: &[Point], start: &str) -> String {
+    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
+    let vertices = vertices.join(", ");
+    format!("name = \"room\"\nstart = {start}\n[boundary]\nvertices = [{vertices}]\n")
+}
+
 /// A room of 6 x 5 m whose walls, turned by 27 degrees, run in steps of 5 cm, as those of a map drawn in squares
 /// do: its corners.
 fn stairs() -> Vec<Point> {
@@ -110,11 +117,7 @@ fn a_lap_whose_walls_run_in_steps_closes_at_once_and_on_the_right_step() {
     // One step lies nearly as well on the next. Robots that took three crossings of one place for three
     // places, drove round once more to tell them apart, and closed on the first, laid a step off or worse.
     let outline = stairs();
-    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
-    let vertices = vertices.join(", ");
-    let room = format!(
-        "name = \"steps\"\nstart = {{ x = 1.5, y = 3.6, heading = 17 }}\n[boundary]\nvertices = [{vertices}]\n"
-    );
+    let room = room(&outline, "{ x = 1.5, y = 3.6, heading = 17 }");
     let area = Ring::polygon(&outline).area();
     for seed in [1, 5, 7, 8] {
         let (mapped, way) = reported::bounded(&room, "calibrated", seed);
@@ -173,11 +176,7 @@ fn laid_on(outline: &Ring, corners: &[Point]) -> Vec<Point> {
 #[test]
 fn a_lap_of_equal_bays_closes_on_the_one_it_began_at() {
     let outline = bays();
-    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
-    let text = format!(
-        "name = \"bays\"\nstart = {{ x = 12, y = 5, heading = 20 }}\n[boundary]\nvertices = [{}]\n",
-        vertices.join(", ")
-    );
+    let text = room(&outline, "{ x = 12, y = 5, heading = 20 }");
     let world = World::from_toml(&text, "bays", 0.1).expect("a world");
     // The first seed: by odometry alone this lap lies a bay off as well. The fourth: of two ends that are sure, one
     // is a bay past the end of a wall. The seventh: of one of them it is known where it took the robot to be a
@@ -198,11 +197,7 @@ fn a_lap_is_as_long_as_its_end_that_lies_where_it_was_crossed() {
     // Of two ends that lie at one place the later one was found a bay on: with the walls of that bay twice on it the
     // lap made no outline.
     let outline = bays_along((16.0, 8.0), 1.6, (1.0, 1.2));
-    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
-    let text = format!(
-        "name = \"cells\"\nstart = {{ x = 5, y = 4, heading = 20 }}\n[boundary]\nvertices = [{}]\n",
-        vertices.join(", ")
-    );
+    let text = room(&outline, "{ x = 5, y = 4, heading = 20 }");
     let (area, _) = reported::bounded(&text, "calibrated", 14);
     let all = Ring::polygon(&outline).area();
     assert!((area / all - 1.0).abs() < 0.02, "{area} m2 instead of {all}");
@@ -224,11 +219,7 @@ fn ring() -> Vec<Point> {
 /// be at the end that it might have had as well, metres.
 fn round_the_ring(noise: NoiseProfile, seed: u64) -> (f64, Vec<f64>) {
     let outline = ring();
-    let vertices: Vec<String> = outline.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
-    let vertices = vertices.join(", ");
-    let text = format!(
-        "name = \"ring\"\nstart = {{ x = 1, y = 0, heading = 20 }}\n[boundary]\nvertices = [{vertices}]\n"
-    );
+    let text = room(&outline, "{ x = 1, y = 0, heading = 20 }");
     let world = World::from_toml(&text, "ring", 0.1).expect("a world");
     let mut run = common::begun(&world, Settings { seed, ..Settings::new(world.start) }, noise);
     run.intent(Intent::Run);

@@ -182,7 +182,7 @@ impl Circuit {
                     self.passed.push(self.candidates.remove(index).wound.1);
                 }
                 Verdict::Closed(closure, _) if self.is_contested(index, &closure, tracker) => {}
-                Verdict::Closed(..) if self.is_found_better(index, tracker) => {}
+                Verdict::Closed(closure, _) if self.is_found_better(index, &closure, tracker) => {}
                 Verdict::Closed(mut closure, overlap) => {
                     closure.alike = self.ends_as_well(index, tracker);
                     return Leg::Closed(closure, overlap);

@@ -278,19 +278,26 @@ impl Circuit {
         other.is_some()
     }
 
-    /// Whether the candidate lies where it was not crossed, a bay on, and another that is as sure was crossed where
-    /// the two of them lie: the lap is as long as that one says.
-    pub(super) fn is_found_better(&self, index: usize, tracker: &Tracker) -> bool {
-        let is_beside = |one: &Candidate| {
-            let by_crossing = one.wound.1.travelled - one.wound.0.travelled;
-            (self.lap_of(one, tracker) - by_crossing).abs() > ANOTHER_PLACE
+    /// Whether the candidate lies where it was not crossed, a bay on, and another that is as sure of the same place
+    /// was crossed where it lies: the lap is as long as that one says. That is waited for as long as for what tells
+    /// of two places.
+    pub(super) fn is_found_better(
+        &self,
+        index: usize,
+        closure: &Closure,
+        tracker: &Tracker,
+    ) -> bool {
+        let one = (&self.candidates[index], self.lap_of(&self.candidates[index], tracker));
+        let is_beside = |(one, lap): (&Candidate, f64)| {
+            (lap - (one.wound.1.travelled - one.wound.0.travelled)).abs() > ANOTHER_PLACE
         };
-        let one = &self.candidates[index];
         let is_better = |other: &Candidate| {
-            let is_apart = one.is_apart(other, tracker);
-            other.held.is_some() && !is_apart && !is_beside(other)
+            other.held.is_some()
+                && !is_beside((other, self.lap_of(other, tracker)))
+                && !self.is_elsewhere(one, other, tracker)
         };
-        self.candidates.len() > 1 && is_beside(one) && self.candidates.iter().any(is_better)
+        let waits = tracker.travelled() - closure.to.travelled <= MOST_FREE_OVERLAP;
+        waits && is_beside(one) && self.candidates.iter().any(is_better)
     }
 
     /// Where else the lap would end as well as by this candidate, for all that was driven beyond it.
@@ -310,12 +317,19 @@ impl Circuit {
         let others = self.candidates.iter().enumerate().filter(|(k, _)| *k != index);
         let mut wanted = others.map(|(_, other)| other).filter(|other| wanted(other)).peekable();
         wanted.peek()?;
-        let one = &self.candidates[index];
-        let here = self.lap_of(one, tracker);
-        wanted.find(|other| {
-            one.is_apart(other, tracker)
-                || (self.lap_of(other, tracker) - here).abs() > ANOTHER_PLACE
-        })
+        let one = (&self.candidates[index], self.lap_of(&self.candidates[index], tracker));
+        wanted.find(|other| self.is_elsewhere(one, other, tracker))
+    }
+
+    /// Whether the `other` candidate is of another place than this one, by where they take the robot to be or by how
+    /// long the lap (this one's is `lap` metres) is then: each is blind where the other sees.
+    fn is_elsewhere(
+        &self,
+        (one, lap): (&Candidate, f64),
+        other: &Candidate,
+        tracker: &Tracker,
+    ) -> bool {
+        one.is_apart(other, tracker) || (self.lap_of(other, tracker) - lap).abs() > ANOTHER_PLACE
     }
 
     /// How long the lap is, metres by odometer, if the robot is where the candidate takes it to be: the same for

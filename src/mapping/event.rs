@@ -5,7 +5,7 @@ use super::map::{Alike, LineReason, Phase, ShapeClass};
 use super::square::Squared;
 use super::trust::Defect;
 use crate::geometry::Point;
-use crate::robot::DoneReason;
+use crate::robot::{Chassis, DoneReason};
 use serde::{Deserialize, Serialize};
 
 mod words;
@@ -41,6 +41,17 @@ pub enum EventKind {
     PhaseBegan {
         /// Which.
         phase: Phase,
+    },
+    /// The robot is sent slower than it can go, because it would not stand in time.
+    Slower {
+        /// What it is sent with, metres per second.
+        speed: f64,
+        /// What it can do, metres per second.
+        able: f64,
+        /// How far it would go from there until it stands, metres.
+        stopping: f64,
+        /// How far its switches see, metres.
+        range: f64,
     },
     /// A phase ended as it should.
     PhaseEnded {
@@ -456,6 +467,19 @@ impl EventKind {
     #[must_use]
     pub fn gone_round(id: u32, first: bool) -> Self {
         if first { Self::ObjectClosed { id } } else { Self::ObjectApart { id } }
+    }
+
+    /// That a robot with this body is sent slower than it can go, if it is by more than a twentieth.
+    #[must_use]
+    pub fn slower(chassis: &Chassis) -> Option<Self> {
+        let Chassis { speed: able, range, .. } = *chassis;
+        let speed = chassis.cruise();
+        (speed < 0.95 * able).then(|| Self::Slower {
+            speed,
+            able,
+            stopping: chassis.stopping(able),
+            range,
+        })
     }
 
     /// What squaring made of the outline: nothing, where no walls are nearly at right angles.

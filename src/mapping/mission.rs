@@ -318,7 +318,7 @@ impl Mission {
         let chassis = &self.settings.chassis;
         let (motion, seconds) = match ask.motion {
             Motion::Move { distance, speed } => {
-                let speed = speed.min(chassis.speed);
+                let speed = speed.min(chassis.cruise());
                 // In the robot's own metres.
                 let distance = distance / self.tracker.stretched();
                 (Motion::Move { distance, speed }, distance.abs() / speed)
@@ -367,6 +367,7 @@ impl Mission {
         if !self.began {
             self.began = true;
             self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
+            self.tell_all(EventKind::slower(&self.settings.chassis).into_iter().collect(), out);
         }
         if self.idle.is_too_much() {
             return self.fail(Failure::Unmoved, out);

@@ -61,6 +61,10 @@ pub struct SensorMount {
     pub angle: f64,
 }
 
+/// From something coming into reach until the robot brakes, seconds: a firmware that looks fifty times a second sees
+/// it up to a step later, and begins to brake in the next.
+const REACTION: f64 = 0.03;
+
 /// The robot's body, wheels and switches. The default is the robot of the design: a disc of
 /// 0.10 m radius with eight switches of 0.06 m range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -134,6 +138,24 @@ impl Chassis {
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.radius + self.range
+    }
+
+    /// How far the robot still goes once a switch has closed, from `speed` (metres per second), until it stands:
+    /// v·t + v²/2a with [`REACTION`] t and acceleration a, metres.
+    #[must_use]
+    pub fn stopping(&self, speed: f64) -> f64 {
+        speed * REACTION + speed * speed / (2.0 * self.acceleration)
+    }
+
+    /// The speed that it is sent with: its own, or the one from which it stands within half of what its switches
+    /// see, whichever is less, metres per second. A robot that stands later than that slides along the walls it
+    /// meets, and what a switch tells after a slide is told of another place.
+    #[must_use]
+    pub fn cruise(&self) -> f64 {
+        let most = self.range / 2.0;
+        let brake = self.acceleration;
+        // The larger root of stopping(v) = most.
+        self.speed.min(brake * ((REACTION * REACTION + 2.0 * most / brake).sqrt() - REACTION))
     }
 
     /// Width swept by body plus sensors: 2(r + d), metres.

@@ -379,6 +379,13 @@ impl fmt::Display for EventKind {
         match self {
             Self::PhaseBegan { phase } => write!(f, "{phase} phase begins"),
             Self::PhaseEnded { phase } => write!(f, "{phase} phase done"),
+            Self::Slower { speed, able, stopping, range } => write!(
+                f,
+                "sent at {speed:.2} m/s, not {able:.2}: from there it would go {:.0} mm until it stands, and its \
+                 switches see {:.0}",
+                1e3 * stopping,
+                1e3 * range
+            ),
             Self::ContactGained { by } => write!(f, "contact: {by}"),
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),

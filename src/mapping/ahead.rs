@@ -63,6 +63,9 @@ pub struct Rolling {
 
 /// Two contacts farther apart than the disc is wide do not belong to one wall.
 const CHAIN: f64 = 0.29;
+/// What was seen from where the robot is now by less than this cosine is the back of something: between where the
+/// robot was then and where it is now lie more than 120 degrees.
+const FACING: f64 = -0.5;
 /// Half way along a step round a corner the disc may get this much nearer to it than at its ends, metres:
 /// a chord of the circle about the corner keeps it in sight, a tangent of the same length would not.
 const DIP: f64 = 0.004;
@@ -89,7 +92,7 @@ impl Rolling {
         along: f64,
     ) -> Option<Direction> {
         let points: Vec<Point> = contacts.iter().map(|seen| seen.at).collect();
-        let Some(chain) = self.chain(&points, pose.position, along) else {
+        let Some(chain) = self.chain(contacts, pose.position, along) else {
             return Some(Direction { heading: pose.heading, step, frontier: None });
         };
         let mut frontier = Frontier::of(contacts, chain[chain.len() - 1], pose, self.side);
@@ -152,14 +155,24 @@ impl Rolling {
     }
 
     /// The contacts in rolling order from the one at hand on; none without contacts.
-    fn chain(&self, contacts: &[Point], center: Point, along: f64) -> Option<Vec<Point>> {
-        let nearest = self.at_hand(contacts, center, along)?;
+    fn chain(&self, contacts: &[Seen], center: Point, along: f64) -> Option<Vec<Point>> {
+        let points: Vec<Point> = contacts.iter().map(|seen| seen.at).collect();
+        let nearest = self.at_hand(&points, center, along)?;
         let toward = angle::of(nearest - center);
         let turned = |p: &Point| {
             angle::wrap_positive(self.side.sign() * (toward - angle::of(p - center)) + 0.02)
         };
-        let mut ahead: Vec<Point> =
-            contacts.iter().copied().filter(|p| turned(p) < 4.0 && *p != nearest).collect();
+        // The far side of a thin wall is no way on, near as it may be.
+        let faces = |seen: &&Seen| {
+            let (then, now) = (seen.towards, center - seen.at);
+            then.dot(&now) > FACING * then.norm() * now.norm()
+        };
+        let mut ahead: Vec<Point> = contacts
+            .iter()
+            .filter(faces)
+            .map(|seen| seen.at)
+            .filter(|p| turned(p) < 4.0 && *p != nearest)
+            .collect();
         ahead.sort_by(|a, b| turned(a).total_cmp(&turned(b)));
         let mut chain = vec![nearest];
         for p in ahead {

@@ -9,10 +9,17 @@ use crate::robot::{DoneReason, Guard};
 /// What is seen beyond a tip lies this far past it at least, metres.
 const PAST_TIP: f64 = 0.02;
 
+/// A look ends with its beam so far to the wall's hand of where the robot went, radians: ten degrees past abeam.
+/// Farther back it would find the wall that the robot came along, and take it for one that goes on.
+const LOOKED_TO: f64 = angle::FRAC_PI_4 + 0.96;
+
 impl Follower {
     pub(super) fn look(&mut self) -> Ask {
         let guard = Guard { rise: Roles::set(&[self.roles.ahead]), ..Guard::default() };
-        self.turn(0.96, guard, Doing::Looking, "looking where the wall goes on")
+        let bearing =
+            self.ahead.map_or(angle::FRAC_PI_4, |(bearing, _)| bearing * self.side.sign());
+        let turn = LOOKED_TO - angle::wrap(bearing);
+        self.turn(turn, guard, Doing::Looking, "looking where the wall goes on")
     }
 
     pub(super) fn judge_look(&mut self, wall: &mut Wall, rest: &AtRest) {

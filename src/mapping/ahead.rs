@@ -65,7 +65,7 @@ pub struct Rolling {
 const CHAIN: f64 = 0.29;
 /// What was seen from where the robot is now by less than this cosine is the back of something: between where the
 /// robot was then and where it is now lie more than 120 degrees.
-const FACING: f64 = -0.5;
+const FACING: f64 = 0.0;
 /// Half way along a step round a corner the disc may get this much nearer to it than at its ends, metres:
 /// a chord of the circle about the corner keeps it in sight, a tangent of the same length would not.
 const DIP: f64 = 0.004;

@@ -132,6 +132,8 @@ pub struct Follower {
     looked_from: f64,
     swept: Option<Sweep>,
     body: f64,
+    /// Body and range together, half the swath, metres.
+    reach: f64,
     squeezing: bool,
     /// Outlines of what stands about and is no part of the wall.
     known: Vec<Ring>,
@@ -180,6 +182,7 @@ impl Follower {
                 slack: (1.0 - GAP) * chassis.range - UNSEEN,
             },
             body: chassis.radius,
+            reach: chassis.reach(),
             squeezing: false,
             known: Vec::new(),
         }
@@ -378,10 +381,14 @@ impl Follower {
     }
 
     /// How far to step: a wall that its own switch does not see is not watched either, and a long
-    /// step would lead away from it unnoticed.
+    /// step would lead away from it unnoticed. A robot without such a switch steps over no gap that it fits
+    /// through.
     fn watched(&self, step: f64, closed: SwitchSet) -> f64 {
-        let sees = self.roles.wall.is_none_or(|wall| closed.has(wall));
-        if sees { step } else { step.min(ROUND_CORNER) }
+        match self.roles.wall {
+            Some(wall) if closed.has(wall) => step,
+            Some(_) => step.min(ROUND_CORNER),
+            None => step.min(self.reach),
+        }
     }
 
     fn step(&mut self, length: f64) -> Ask {

@@ -194,3 +194,22 @@ impl Default for Chassis {
         Self::with_switches(8)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn from_its_cruise_it_stands_within_half_of_what_its_switches_see() {
+        let weak = Chassis { speed: 0.3, acceleration: 0.4, ..Chassis::default() };
+        let cruise = weak.cruise();
+        assert!(
+            cruise < 0.3 && (weak.stopping(cruise) - weak.range / 2.0).abs() < 1e-12,
+            "{cruise}"
+        );
+        // Ours is quick to stand: it goes as fast as it can.
+        let ours = Chassis::default();
+        assert!(ours.stopping(ours.speed) < ours.range / 2.0);
+        assert!((ours.cruise() - ours.speed).abs() < 1e-12);
+    }
+}

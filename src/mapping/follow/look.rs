@@ -51,3 +51,25 @@ impl Follower {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::geometry::angle;
+    use crate::mapping::follow::{Follower, Side};
+    use crate::robot::{Chassis, Motion};
+
+    #[test]
+    fn a_look_ends_ten_degrees_past_abeam_whatever_switch_looks() {
+        for (count, side, turn) in [
+            (8, Side::Left, 55.0),
+            (8, Side::Right, -55.0),
+            (6, Side::Left, 40.0),
+            (6, Side::Right, -40.0),
+        ] {
+            let mut follower = Follower::new(&Chassis::with_switches(count), side);
+            let Motion::Turn { angle, .. } = follower.look().motion else { panic!("a turn") };
+            assert!((angle - f64::to_radians(turn)).abs() < 1e-3, "{count} switches: {angle}");
+            assert!(angle.abs() < angle::FRAC_PI_2);
+        }
+    }
+}

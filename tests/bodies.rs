@@ -81,6 +81,7 @@ fn the_far_side_of_a_thin_wall_leads_nobody_across_the_gap_at_its_end() {
         range: 0.107,
         tick: 0.001,
         hysteresis: 0.0176,
+        speed: 0.216,
         turn_rate: 0.925,
         acceleration: 2.0,
         ..Chassis::default()
@@ -90,6 +91,7 @@ fn the_far_side_of_a_thin_wall_leads_nobody_across_the_gap_at_its_end() {
         range: 0.061,
         tick: 0.0001,
         hysteresis: 0.0065,
+        speed: 0.175,
         turn_rate: 1.658,
         acceleration: 0.71,
         wheel_base: 0.167,
@@ -111,6 +113,8 @@ fn without_a_switch_abeam_of_the_wall_no_gap_is_stepped_over() {
         range: 0.062,
         hysteresis: 0.0072,
         speed: 0.137,
+        turn_rate: 1.623,
+        acceleration: 1.29,
         ..Chassis::with_switches(6)
     };
     let world = World::from_toml(BEHIND, "behind", six.radius).expect("a world");

@@ -367,7 +367,9 @@ impl Mission {
         if !self.began {
             self.began = true;
             self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
-            self.tell_all(EventKind::slower(&self.settings.chassis).into_iter().collect(), out);
+            if let Some(slower) = EventKind::slower(&self.settings.chassis) {
+                self.tell(slower, out);
+            }
         }
         if self.idle.is_too_much() {
             return self.fail(Failure::Unmoved, out);

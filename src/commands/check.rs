@@ -4,6 +4,7 @@ use super::{CommandError, glue, output};
 use crate::cli::settings_file::{Entry, SettingsFile, kind};
 use crate::cli::{ArgumentError, CheckArgs, Common, chassis, config};
 use crate::geometry::Vector;
+use crate::mapping::event::EventKind;
 use crate::robot::Chassis;
 use crate::simulator::World;
 use std::collections::{HashSet, VecDeque};
@@ -70,7 +71,8 @@ fn toml(path: &Path) -> Result<String, String> {
     if keys.iter().any(|entry| chassis::has(&entry.key)) {
         let body = chassis::read(path).map_err(|error| error.to_string())?;
         let switches = crate::wording::count(body.sensors.len(), "switch", "switches");
-        return Ok(format!("chassis of {:.2} m radius, {switches}", body.radius));
+        let slower = EventKind::slower(&body).map_or_else(String::new, |told| format!("; {told}"));
+        return Ok(format!("chassis of {:.2} m radius, {switches}{slower}", body.radius));
     }
     // Half of all files have a name.
     if keys.iter().any(|entry| entry.key != "name" && config::has(&entry.key)) {

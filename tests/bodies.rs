@@ -1,6 +1,6 @@
 //! Robots with other bodies than ours: one whose brakes do not stop it within what its switches see, some that
-//! see farther past the end of a thin wall than the wall is thick, ten switches of which none is abeam, and six
-//! of which none is near it.
+//! see farther past the end of a thin wall than the wall is thick, ten switches of which none is abeam, six
+//! of which none is near it, and one of half a metre across in a room that is as much larger.
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 mod common;
@@ -12,6 +12,7 @@ use periplus::mapping::settings::Settings;
 use periplus::robot::{Chassis, Intent};
 use periplus::simulator::{NoiseProfile, World};
 use periplus::wire::told;
+use serde_json::Value;
 use std::path::Path;
 
 /// Two rooms of 1.6 by 0.8 m, one behind the end of the thin wall between them.
@@ -25,6 +26,23 @@ vertices = [[0, 0], [1.6, 0], [1.6, 1.6], [0, 1.6], [0, 0.81], [1.2, 0.81], [1.2
 fn world(name: &str, radius: f64) -> World {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sims").join(name);
     World::load(&path, radius).expect("a world")
+}
+
+/// A traced world in which all lengths are `times` as long.
+fn enlarged(name: &str, times: f64, radius: f64) -> World {
+    fn enlarge(coordinates: &mut Value, times: f64) {
+        match coordinates {
+            Value::Array(parts) => parts.iter_mut().for_each(|part| enlarge(part, times)),
+            number => *number = (number.as_f64().expect("a number") * times).into(),
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sims").join(name);
+    let text = std::fs::read_to_string(path).expect("a world");
+    let mut world: Value = serde_json::from_str(&text).expect("JSON");
+    for feature in world["features"].as_array_mut().expect("features") {
+        enlarge(&mut feature["geometry"]["coordinates"], times);
+    }
+    World::from_geojson(&world.to_string(), name, radius).expect("a world")
 }
 
 /// The area of what a robot without noise takes for the boundary of `world`, square metres, and how often the
@@ -102,6 +120,29 @@ fn the_far_side_of_a_thin_wall_leads_nobody_across_the_gap_at_its_end() {
         let (area, _) = bounded(&world, &chassis, seed);
         assert!((area / world.boundary.area() - 1.0).abs() < 0.005, "seed {seed}: {area} m2");
     }
+}
+
+#[test]
+fn what_is_seen_of_the_wall_across_a_gap_is_no_thing_of_its_own() {
+    // A board ends .79 m off a wall, and the swath is .8 m: going round it, the robot sees the wall in the gap. What
+    // it saw of that was told apart from the board, and was a thing of 34 cm by nothing on the wall.
+    let large = Chassis {
+        radius: 0.25,
+        wheel_base: 0.4,
+        range: 0.15,
+        hysteresis: 0.0125,
+        speed: 0.5,
+        turn_rate: 1.99,
+        acceleration: 2.5,
+        ..Chassis::default()
+    };
+    let world = enlarged("lab_maze.geojson", 2.5, large.radius);
+    let settings =
+        Settings { seed: 1, alpha: 0.625, chassis: told(&large), ..Settings::new(world.start) };
+    let map = common::mapped(&world, settings, NoiseProfile::None, Phase::Objects);
+    let things: Vec<f64> = map.objects.iter().map(|thing| thing.outline.area().abs()).collect();
+    assert_eq!(things.len(), world.objects.len() - 1, "two boards touch: {things:?}");
+    assert!(things.iter().all(|&area| area > 0.05), "{things:?}");
 }
 
 #[test]

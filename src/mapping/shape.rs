@@ -36,7 +36,7 @@ pub use chord::mouths;
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed, lost, unmapped};
 pub use neck::{islands, shared_out, tip};
-pub use object::{KNOWN, Thing, class_of, closer, is_mapped, object_outline, things};
+pub use object::{KNOWN, Thing, class_of, closer, is_mapped, lies_on, object_outline, things};
 pub use spur::without_spurs;
 pub use strait::cut_at_straits;
 pub use through::{Through, faces_through_each_other};

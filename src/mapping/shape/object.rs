@@ -167,6 +167,12 @@ pub fn is_mapped<'a>(
     on_map.count() as f64 > SAME * contacts.len() as f64
 }
 
+/// Whether all that was seen lies on `ring`.
+#[must_use]
+pub fn lies_on(contacts: &[Contact], ring: &Ring) -> bool {
+    contacts.iter().all(|contact| ring.distance(contact.point) < KNOWN)
+}
+
 /// Root mean square distance of the contacts from the ring, metres.
 fn spread(ring: &Ring, contacts: &[Contact]) -> f64 {
     let touched = contacts.iter().filter(|c| c.kind != ContactKind::Edge);

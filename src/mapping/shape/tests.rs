@@ -105,4 +105,6 @@ fn a_thing_is_on_the_map_when_most_of_what_was_seen_lies_on_it() {
     assert!(!is_mapped(&seen(5, 5), &mapped.iter()));
     assert!(!is_mapped(&seen(7, 3), &mapped[1..].iter()), "another thing");
     assert!(!is_mapped(&seen(7, 3), &[].iter()), "nothing is mapped yet");
+    assert!(lies_on(&seen(7, 0), &mapped[0]));
+    assert!(!lies_on(&seen(7, 1), &mapped[0]), "a part of it stands free");
 }

@@ -13,7 +13,7 @@ use crate::mapping::lay::Overlap;
 use crate::mapping::map::{Contact, LineReason, LineStatus, MappedObject, ObjectClass, RoomMap};
 use crate::mapping::search::{lap_strokes, lap_things, straight_contacts, whole_lap};
 use crate::mapping::settings::Contour;
-use crate::mapping::shape::{KNOWN, Thing, is_mapped, object_outline, unmapped};
+use crate::mapping::shape::{KNOWN, Thing, is_mapped, lies_on, object_outline, unmapped};
 use crate::mapping::survey::{Hung, Surface, Survey, Tie};
 use crate::mapping::wall::{Sighting, Wall};
 use crate::robot::Chassis;
@@ -200,9 +200,12 @@ impl Tour {
 
     /// Adds what a whole round went round to map and chart, with what it hangs on.
     pub(super) fn record_round(&mut self, found: Vec<Thing>, hung: &Hung, scene: &mut Scene<'_>) {
-        // Of two that stand close to each other one may be on the map already.
-        let fresh: Vec<Thing> =
-            found.into_iter().filter(|thing| !self.is_known(&thing.contacts)).collect();
+        // Of two that stand close to each other one may be on the map already; and what was seen across a gap may
+        // be the wall there.
+        let is_new = |thing: &Thing| {
+            !self.is_known(&thing.contacts) && !lies_on(&thing.contacts, self.chart.outline())
+        };
+        let fresh: Vec<Thing> = found.into_iter().filter(is_new).collect();
         for (n, thing) in fresh.into_iter().enumerate() {
             let id = scene.map.next_id();
             self.record(thing.numbered(id), hung.clone(), scene);

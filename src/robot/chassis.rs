@@ -141,7 +141,7 @@ impl Chassis {
     }
 
     /// How far the robot still goes once a switch has closed, from `speed` (metres per second), until it stands:
-    /// v·t + v²/2a with [`REACTION`] t and acceleration a, metres.
+    /// v·t + v²/2a, t the 30 ms until it brakes and a its acceleration, metres.
     #[must_use]
     pub fn stopping(&self, speed: f64) -> f64 {
         speed * REACTION + speed * speed / (2.0 * self.acceleration)

@@ -374,18 +374,30 @@ fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     }
 }
 
+/// Why a robot is sent with the first of two speeds and not the second.
+fn slower(
+    f: &mut fmt::Formatter<'_>,
+    (speed, able): (f64, f64),
+    stopping: f64,
+    range: f64,
+) -> fmt::Result {
+    write!(
+        f,
+        "sent at {speed:.2} m/s, not {able:.2}: from there it would go {:.0} mm until it stands, and its switches \
+         see {:.0}",
+        1e3 * stopping,
+        1e3 * range
+    )
+}
+
 impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::PhaseBegan { phase } => write!(f, "{phase} phase begins"),
             Self::PhaseEnded { phase } => write!(f, "{phase} phase done"),
-            Self::Slower { speed, able, stopping, range } => write!(
-                f,
-                "sent at {speed:.2} m/s, not {able:.2}: from there it would go {:.0} mm until it stands, and its \
-                 switches see {:.0}",
-                1e3 * stopping,
-                1e3 * range
-            ),
+            Self::Slower { speed, able, stopping, range } => {
+                slower(f, (*speed, *able), *stopping, *range)
+            }
             Self::ContactGained { by } => write!(f, "contact: {by}"),
             Self::ContactLost => f.write_str("wall lost, looking for it"),
             Self::Corner { angle } => write!(f, "corner of {:.0}°", angle.to_degrees()),

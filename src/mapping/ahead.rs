@@ -59,13 +59,12 @@ pub struct Rolling {
     pub least: f64,
     /// The wall may get this much farther off before its switch opens, metres.
     pub slack: f64,
+    /// Whether the robot sees so far that the far side of a thin wall must be told from the near one.
+    pub sees_far: bool,
 }
 
 /// Two contacts farther apart than the disc is wide do not belong to one wall.
 const CHAIN: f64 = 0.29;
-/// What was seen from where the robot is now by less than this cosine is the back of something: between where the
-/// robot was then and where it is now lie more than 120 degrees.
-const FACING: f64 = 0.0;
 /// Half way along a step round a corner the disc may get this much nearer to it than at its ends, metres:
 /// a chord of the circle about the corner keeps it in sight, a tangent of the same length would not.
 const DIP: f64 = 0.004;
@@ -162,11 +161,9 @@ impl Rolling {
         let turned = |p: &Point| {
             angle::wrap_positive(self.side.sign() * (toward - angle::of(p - center)) + 0.02)
         };
-        // The far side of a thin wall is no way on, near as it may be.
-        let faces = |seen: &&Seen| {
-            let (then, now) = (seen.towards, center - seen.at);
-            then.dot(&now) > FACING * then.norm() * now.norm()
-        };
+        // The far side of a thin wall is no way on, near as it may be: what was seen from where the robot is now by
+        // more than a right angle.
+        let faces = |seen: &&Seen| !self.sees_far || seen.towards.dot(&(center - seen.at)) > 0.0;
         let mut ahead: Vec<Point> = contacts
             .iter()
             .filter(faces)
@@ -192,7 +189,13 @@ mod tests {
 
     #[test]
     fn out_of_a_pocket_the_wall_at_hand_leads_on_though_the_other_side_is_nearer() {
-        let rolling = Rolling { side: Side::Right, radius: 0.145, least: 0.112, slack: 0.012 };
+        let rolling = Rolling {
+            side: Side::Right,
+            radius: 0.145,
+            least: 0.112,
+            slack: 0.012,
+            sees_far: false,
+        };
         // A pocket behind the robot, which stands in its mouth and looks out along +x. The wall on the left
         // goes on, the one on the right ends here.
         let row =

@@ -147,6 +147,10 @@ const UNSEEN: f64 = 0.003;
 const SQUEEZED: f64 = 0.02;
 /// What slid into the beam on the far side of a gap is taken to be this near to the body, metres.
 const BESIDE: f64 = 0.02;
+/// A robot that reaches farther than this from its centre, metres, sees past the end of a thin wall before it is round
+/// it, and was led across the gap behind by what it had seen of the far side. One that reaches as far as ours never
+/// was, and what it has seen on both sides leads it out of pockets that are hardly wider than it is.
+const FAR: f64 = 0.165;
 /// A step along a wall of which little is known, metres, ...
 const SHORTEST_STRIDE: f64 = 0.09;
 /// ... and along one that goes on as it did.
@@ -180,6 +184,7 @@ impl Follower {
                 radius: chassis.radius + gap,
                 least: chassis.radius + 0.012,
                 slack: (1.0 - GAP) * chassis.range - UNSEEN,
+                sees_far: chassis.reach() > FAR,
             },
             body: chassis.radius,
             reach: chassis.reach(),

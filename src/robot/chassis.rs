@@ -154,7 +154,7 @@ impl Chassis {
     pub fn cruise(&self) -> f64 {
         let most = self.range / 2.0;
         let brake = self.acceleration;
-        // The larger root of stopping(v) = most.
+        // The positive root of stopping(v) = most.
         self.speed.min(brake * ((REACTION * REACTION + 2.0 * most / brake).sqrt() - REACTION))
     }
 

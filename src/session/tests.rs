@@ -119,7 +119,8 @@ fn a_motion_whose_end_was_not_believed_has_ended() {
 #[test]
 fn a_refused_command_ends_the_run() {
     let mut wrong = settings();
-    wrong.chassis.speed = f64::INFINITY;
+    // It stands at once from any speed, or it would be sent slower.
+    (wrong.chassis.speed, wrong.chassis.acceleration) = (f64::INFINITY, f64::INFINITY);
     let (session, out) = begun(wrong, Phase::Objects, Intent::Run);
     assert_eq!(command(&out), None);
     assert!(out.contains(&Outgoing::Stop), "{out:?}");

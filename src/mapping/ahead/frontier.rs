@@ -194,7 +194,8 @@ mod tests {
     use super::*;
     use crate::geometry::angle;
 
-    const DISC: Rolling = Rolling { side: Side::Left, radius: 0.145, least: 0.112, slack: 0.012 };
+    const DISC: Rolling =
+        Rolling { side: Side::Left, radius: 0.145, least: 0.112, slack: 0.012, sees_far: false };
 
     /// The contacts as they are seen from `from`.
     fn seen(contacts: &[Point], from: Point) -> Vec<Seen> {

@@ -142,21 +142,20 @@ impl Rolling {
 
     /// The nearest contact at the hand of a robot at `center` that goes `along`, within reach of its
     /// switches; the nearest of all where there is none.
-    fn at_hand(&self, contacts: &[Point], center: Point, along: f64) -> Option<Point> {
-        let beside = |p: &&Point| {
-            let off = *p - center;
+    fn at_hand(&self, contacts: &[Seen], center: Point, along: f64) -> Option<Point> {
+        let points = || contacts.iter().map(|seen| seen.at);
+        let beside = |p: &Point| {
+            let off = p - center;
             let towards = self.side.sign() * angle::wrap(angle::of(off) - along);
             off.norm() < self.radius + self.slack + UNSURE && towards > -OFF_AHEAD
         };
-        let nearer = |a: &&Point, b: &&Point| (*a - center).norm().total_cmp(&(*b - center).norm());
-        let found = contacts.iter().filter(beside).min_by(nearer);
-        found.or_else(|| contacts.iter().min_by(nearer)).copied()
+        let nearer = |a: &Point, b: &Point| (a - center).norm().total_cmp(&(b - center).norm());
+        points().filter(beside).min_by(nearer).or_else(|| points().min_by(nearer))
     }
 
     /// The contacts in rolling order from the one at hand on; none without contacts.
     fn chain(&self, contacts: &[Seen], center: Point, along: f64) -> Option<Vec<Point>> {
-        let points: Vec<Point> = contacts.iter().map(|seen| seen.at).collect();
-        let nearest = self.at_hand(&points, center, along)?;
+        let nearest = self.at_hand(contacts, center, along)?;
         let toward = angle::of(nearest - center);
         let turned = |p: &Point| {
             angle::wrap_positive(self.side.sign() * (toward - angle::of(p - center)) + 0.02)

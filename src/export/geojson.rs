@@ -1,11 +1,13 @@
 //! `map.geojson`: one feature collection in metres, in the map frame, that other programs (and
 //! whoever judges a map) read. It knows the roles of features and nothing of files.
 
-use super::reach::{closing, felt};
+use super::reach::{closing, felt, moved_in};
 use super::{RunRecord, boundary, closed_positions, is_simple, position, rounded, surface_points};
 use crate::geometry::{Point, Pose, Ring};
 use crate::mapping::follow::clearance;
-use crate::mapping::map::{LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine};
+use crate::mapping::map::{
+    Contact, ContactKind, LineReason, LineStatus, MappedObject, ObjectClass, Phase, PlanLine,
+};
 use crate::mapping::settings::Strategy;
 use crate::mapping::unreached::{Beyond, Unreached};
 use serde_json::{Map, Value, json};
@@ -118,7 +120,10 @@ fn object(object: &MappedObject, radius: f64) -> Vec<Value> {
     let more = json!({ "id": object.id, "class": object.class, "closed": object.closed });
     if object.class != ObjectClass::Open {
         let Some(surface) = closed_positions(&object.outline) else { return Vec::new() };
-        let kept_off = closing(&object.outline, radius).and_then(|ring| closed_positions(&ring));
+        let is_surface = |contact: &&Contact| contact.kind != ContactKind::Edge;
+        let touched = object.contacts.iter().filter(is_surface).map(|contact| contact.point);
+        let faces = moved_in(&object.outline, &touched.collect::<Vec<_>>());
+        let kept_off = closing(&faces, radius).and_then(|ring| closed_positions(&ring));
         // No reader takes a polygon that crosses itself; the surfaces are one that does not.
         let Some(ring) = kept_off.filter(|ring| is_simple(ring)) else {
             return vec![feature("object", "Polygon", json!([surface]), more)];

@@ -5,9 +5,11 @@
 //! touched up to where the body no longer fits; behind that, whether they meet in an edge, in a
 //! round, or with something between them, nobody has seen. The outline that a body of a radius can
 //! touch is the closing of the object with a disc of it (Serra 1982): moved out by the radius, then
-//! in again.
+//! in again. The outline of what was touched runs straight across such a corner, from the last contact on one face to
+//! the first on the other, and no body would feel that: it is moved in first.
 
-use crate::geometry::{Piece, Point, Ring, angle, perp};
+use crate::geometry::simple::crossings;
+use crate::geometry::{Piece, Point, Ring, angle, cross, perp};
 use cavalier_contours::polyline::{PlineSource, PlineSourceMut, PlineVertex, Polyline};
 
 /// Outlines that differ by less than this share of their area are the same.
@@ -20,6 +22,16 @@ const SHARP: f64 = 1.4;
 const OF_WALL: f64 = 0.45;
 /// Where a round touches is halved in on so often: a wall of 10 m to a hundredth of a micrometre.
 const HALVINGS: usize = 30;
+/// What runs across an inner corner is no longer than this, metres: in one of 30 degrees the switches see the faces to
+/// where they are 0.25 m apart.
+const WIDEST: f64 = 0.25;
+/// A contact nearer than this to what runs across a corner was made on it, metres, ...
+const ON_IT: f64 = 0.01;
+/// ... but near its ends, by this share of it, where it was made on the faces.
+const OF_ENDS: f64 = 0.15;
+/// Moved in by this share of the way to where the faces would meet it lies behind what a body feels, in corners of 20
+/// degrees and more.
+const MOVED_IN: f64 = 0.5;
 
 /// The outline, counter-clockwise, of what the solid inside `ring` (counter-clockwise) keeps a body of
 /// `radius` metres off; none when that is `ring` itself.
@@ -50,6 +62,52 @@ pub fn closing(ring: &Ring, radius: f64) -> Option<Ring> {
     });
     let closed = Ring { pieces: pieces.collect() };
     (closed.pieces.len() >= 3).then_some(closed)
+}
+
+/// The outline `ring`, counter-clockwise, of something solid, with what runs straight across its inner corners moved
+/// in, where none of the `touched` places is on it: the faces are straight on beyond their last contacts.
+#[must_use]
+pub fn moved_in(ring: &Ring, touched: &[Point]) -> Ring {
+    let count = ring.pieces.len();
+    let mut ring = ring.clone();
+    for k in 0..count {
+        let (before, after) = ((k + count - 1) % count, (k + 1) % count);
+        let [face, across, other] = [before, k, after].map(|k| ring.pieces[k]);
+        let on_it = |p: &Point| {
+            let is_between = (OF_ENDS..1.0 - OF_ENDS).contains(&across.nearest(*p));
+            is_between && across.distance(*p) < ON_IT
+        };
+        let corner = inner_corner(&face, &across, &other);
+        let Some(corner) = corner.filter(|_| !touched.iter().any(on_it)) else { continue };
+        let [from, to] = [across.from(), across.to()].map(|end| end + (corner - end) * MOVED_IN);
+        let mut opened = ring.clone();
+        opened.pieces[before] = Piece::with_bulge(face.from(), from, 0.0);
+        opened.pieces[k] = Piece::with_bulge(from, to, 0.0);
+        opened.pieces[after] = Piece::with_bulge(to, other.to(), 0.0);
+        // What was seen of the other side of thin boards may lie there.
+        if crossings(&opened.to_points(super::SAGITTA)).is_empty() {
+            ring = opened;
+        }
+    }
+    ring
+}
+
+/// Where the straight faces `before` and `after` of something solid would meet that `across` joins, if that is an inner
+/// corner; counter-clockwise.
+fn inner_corner(before: &Piece, across: &Piece, after: &Piece) -> Option<Point> {
+    let is_straight = |piece: &&Piece| matches!(piece, Piece::Line { .. });
+    if ![before, across, after].iter().all(is_straight) || across.length() > WIDEST {
+        return None;
+    }
+    let (along, back) = (before.tangent(1.0), -after.tangent(0.0));
+    let over = across.to() - across.from();
+    let sine = cross(along, back);
+    // To the right of a counter-clockwise outline lies the floor: it turns there twice.
+    if cross(along, over) >= 0.0 || cross(over, -back) >= 0.0 || sine <= 1e-6 {
+        return None;
+    }
+    let (on, off) = (cross(over, back) / sine, cross(over, along) / sine);
+    (on > 0.0 && off > 0.0).then(|| across.from() + along * on)
 }
 
 /// `outline` moved out by `radius` and in again; none where an offset went wrong, which shrinks what was
@@ -244,6 +302,40 @@ mod tests {
         let closed = closing(&ring, 0.1).expect("another outline");
         // The same from buffers of shapely 2.1, with arcs of 32 chords a quarter.
         assert!((closed.area() - 0.0553).abs() < 5e-5, "{}", closed.area());
+    }
+
+    #[test]
+    fn what_runs_across_an_inner_corner_is_felt_only_where_it_was_touched() {
+        // Two boards at 75 degrees, seen to where they are 0.13 m apart.
+        let boards = [
+            (0.7609, 0.6708),
+            (0.7582, 0.6515),
+            (1.9465, 0.475),
+            (1.9784, 0.503),
+            (1.8153, 1.3047),
+            (1.7944, 1.3066),
+            (1.9381, 0.6026),
+            (1.8516, 0.5093),
+            (1.2, 0.6057),
+        ]
+        .map(|(x, y)| Point::new(x, y));
+        let ring = Ring::polygon(&boards);
+        let corner = Point::new(1.9604, 0.4932);
+        let opened = moved_in(&ring, &boards);
+        assert!((opened.distance(corner) - ring.distance(corner) / 2.0).abs() < 0.005);
+        // The closing of the two boards where they do meet.
+        let met = [&boards[..6], &[corner], &boards[8..]].concat();
+        let met = closing(&Ring::polygon(&met), 0.1).expect("another outline").area();
+        let area = |ring: &Ring| closing(ring, 0.1).expect("another outline").area();
+        assert!((area(&opened) - met).abs() < 1e-4, "{} and {met}", area(&opened));
+        assert!(area(&ring) > met + 1e-3, "what runs across is felt: {}", area(&ring));
+        // Somebody has put a board across, and the robot has felt it.
+        let felt = [&boards[..], &[Point::new(1.895, 0.556)]].concat();
+        assert_eq!(moved_in(&ring, &felt), ring);
+        // Outer corners with a bevel, and boxes, stay as they are.
+        let bevelled = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.2), (0.3, 0.3), (0.0, 0.3)];
+        let bevelled = Ring::polygon(&bevelled.map(|(x, y)| Point::new(x, y)));
+        assert_eq!(moved_in(&bevelled, &[]), bevelled);
     }
 
     #[test]

@@ -281,10 +281,10 @@ fn an_island_gone_along_from_gap_to_gap_is_on_the_map() {
         // Its tip was left on the wall, and the object was cut off beside it.
         (0.27, "{ x = 3.4, y = 0.4, heading = 90 }", true),
         (0.28, "{ x = 3.5, y = 0.5, heading = 90 }", true),
-        (0.28, "{ x = 3.4, y = 2.4, heading = 180 }", true),
+        (0.28, "{ x = 3.4, y = 2.4, heading = 180 }", false),
         (0.27, "{ x = 3.3, y = 0.4, heading = 90 }", false),
-        (0.275, "{ x = 3.3, y = 0.4, heading = 90 }", false),
-        (0.27, "{ x = 0.5, y = 0.5, heading = 0 }", true),
+        (0.275, "{ x = 3.3, y = 0.4, heading = 90 }", true),
+        (0.27, "{ x = 0.5, y = 0.5, heading = 0 }", false),
     ] {
         let text = island(gap, start);
         assert_eq!(wrong(&text, &["island"]), Vec::<String>::new(), "gap {gap}");
@@ -360,7 +360,7 @@ fn a_lap_that_is_led_off_to_a_leg_in_a_gap_is_led_back_by_closing_that() {
 #[test]
 fn a_room_out_of_which_the_robot_had_to_squeeze_is_mapped_once_round() {
     // Before, what it saw between the places where it began to squeeze was left out, and no outline was found.
-    for seed in [14, 60] {
+    for seed in [13, 34, 68, 101] {
         let (area, _) = reported::bounded(U_IN_A_DOORWAY, "harsh", seed);
         assert!((12.0..13.0).contains(&area), "seed {seed}: {area} m2");
     }

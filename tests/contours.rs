@@ -15,7 +15,7 @@ use std::io::Sink;
 
 const ROOM: &str = r#"
 name = "two boxes and a column"
-start = { x = 0.5, y = 0.6, heading = 200 }
+start = { x = 0.5, y = 0.6, heading = 180 }
 [boundary]
 vertices = [[0, 0], [4.2, 0], [4.2, 3.1], [0, 3.1]]
 [[objects]]

@@ -64,7 +64,7 @@ fn bearings_are_taken_in_the_middle_of_a_long_way_where_the_robot_is_unsure() {
 fn a_hall_that_drift_winds_up_closes_on_the_place_it_began_at() {
     // Robots that went round it for kilometres, or whose map was of a part of it: what they drove beyond the
     // end of the lap lay badly on its beginning for a moment, or its rounds were taken for those of a pocket.
-    for seed in [34, 40, 60, 110, 116] {
+    for seed in [6, 34, 60, 110, 116] {
         let (area, way) = reported::bounded(HALL, "harsh", seed);
         assert!((area / 180.0 - 1.0).abs() < 0.05, "seed {seed}: {area} m2 instead of 180");
         assert!(way < 200.0, "seed {seed}: {way} m, and once round it is 72");

@@ -32,11 +32,11 @@ const COMB: &str = include_str!("../sims/comb.toml");
 /// What a lap may cost for every metre of the way, at 0.2 m/s: commands and seconds of robot time. A
 /// metre without a stop takes five seconds.
 const COSTS: [(&str, f64, f64); 5] = [
-    (include_str!("../sims/rectangle.toml"), 8.0, 8.5),
-    (include_str!("../sims/l_room.toml"), 10.0, 9.0),
-    (include_str!("../sims/pentagon.toml"), 10.0, 9.0),
-    (include_str!("../sims/circle.toml"), 11.0, 9.3),
-    (include_str!("../sims/d_room.toml"), 11.5, 9.5),
+    (include_str!("../sims/rectangle.toml"), 7.7, 8.1),
+    (include_str!("../sims/l_room.toml"), 9.0, 8.6),
+    (include_str!("../sims/pentagon.toml"), 9.2, 8.7),
+    (include_str!("../sims/circle.toml"), 11.0, 9.0),
+    (include_str!("../sims/d_room.toml"), 10.2, 8.9),
 ];
 
 #[test]

@@ -89,8 +89,8 @@ fn the_map_ends_at_a_strait_whether_the_robot_got_through_or_not() {
         let settings = Settings { seed, ..Settings::new(world.start) };
         common::mapped(&world, settings, NoiseProfile::Calibrated, Phase::Objects)
     };
-    // Of the first thirty robots the third and the twelfth get through.
-    let maps = [3, 4, 12, 13].map(mapped);
+    // Of the first hundred robots the 55th and the 79th get through.
+    let maps = [12, 13, 55, 79].map(mapped);
     let through = maps.iter().filter(|map| !map.beyond.is_empty()).count();
     assert!(through > 0 && through < maps.len(), "{through} of the robots got through");
     for map in &maps {
@@ -128,7 +128,7 @@ fn a_lap_through_a_strait_and_back_makes_a_map() {
 #[test]
 fn a_tape_laid_later_leaves_the_end_of_the_map_where_it_is() {
     let world = chicane(0.27, 0.25);
-    let settings = Settings { seed: 3, ..Settings::new(world.start) };
+    let settings = Settings { seed: 55, ..Settings::new(world.start) };
     let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
     for _ in 0..3 {
         run.intent(Intent::StepPhase);

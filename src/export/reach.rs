@@ -29,6 +29,8 @@ const WIDEST: f64 = 0.25;
 const ON_IT: f64 = 0.01;
 /// ... but near its ends, by this share of it, where it was made on the faces.
 const OF_ENDS: f64 = 0.15;
+/// Faces that are as good as parallel meet nowhere, as the two sides of a slot: sine of 20 degrees.
+const LEAST_SINE: f64 = 0.34;
 /// Moved in by this share of the way to where the faces would meet it lies behind what a body feels, in corners of 20
 /// degrees and more.
 const MOVED_IN: f64 = 0.5;
@@ -103,7 +105,7 @@ fn inner_corner(before: &Piece, across: &Piece, after: &Piece) -> Option<Point> 
     let over = across.to() - across.from();
     let sine = cross(along, back);
     // To the right of a counter-clockwise outline lies the floor: it turns there twice.
-    if cross(along, over) >= 0.0 || cross(over, -back) >= 0.0 || sine <= 1e-6 {
+    if cross(along, over) >= 0.0 || cross(over, -back) >= 0.0 || sine < LEAST_SINE {
         return None;
     }
     let (on, off) = (cross(over, back) / sine, cross(over, along) / sine);
@@ -329,6 +331,13 @@ mod tests {
         let area = |ring: &Ring| closing(ring, 0.1).expect("another outline").area();
         assert!((area(&opened) - met).abs() < 1e-4, "{} and {met}", area(&opened));
         assert!(area(&ring) > met + 1e-3, "what runs across is felt: {}", area(&ring));
+        // What was seen between the ends of the boards, where they nearly meet, is no corner.
+        let seen = [(1.9496, 0.4931), (1.9433, 0.5013), (1.9503, 0.508), (1.9584, 0.4993)];
+        let between = seen.map(|(x, y)| Point::new(x, y));
+        let slotted = [&boards[..3], &between, &boards[3..]].concat();
+        let slotted = moved_in(&Ring::polygon(&slotted), &slotted);
+        assert!(between.iter().all(|p| slotted.distance(*p) < 1e-9));
+        assert!(slotted.distance(nalgebra::center(&boards[6], &corner)) < 0.001, "{slotted:?}");
         // Somebody has put a board across, and the robot has felt it.
         let felt = [&boards[..], &[Point::new(1.895, 0.556)]].concat();
         assert_eq!(moved_in(&ring, &felt), ring);

@@ -136,6 +136,12 @@ impl Circuit {
         Self { within, ..self }
     }
 
+    /// The same where what is gone round is likely to be a room: see [`Follower::along_walls`].
+    #[must_use]
+    pub fn along_walls(self) -> Self {
+        Self { follower: self.follower.along_walls(), ..self }
+    }
+
     /// The same where `known` things stand: a gap beside one of them is gone through as long as the body
     /// fits, or the robot would go round that thing instead of what it follows.
     #[must_use]

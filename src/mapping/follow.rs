@@ -122,6 +122,8 @@ pub struct Follower {
     tip: Option<(Point, Vector)>,
     /// Length of a step along a wall that behaves, metres.
     stride: f64,
+    /// How many times as long the next one is.
+    growth: f64,
     gap: f64,
     frontier: Option<Frontier>,
     held: Held,
@@ -176,6 +178,7 @@ impl Follower {
             ended: false,
             tip: None,
             stride: SHORTEST_STRIDE,
+            growth: look::GROWTH,
             gap,
             frontier: None,
             held: Held::default(),
@@ -191,6 +194,14 @@ impl Follower {
             squeezing: false,
             known: Vec::new(),
         }
+    }
+
+    /// What is followed is most likely a room: the first look that finds its wall where it was believed to go on is
+    /// enough for a long step. Along a thing, of which all that is known comes from a few looks, steps grow
+    /// slowly.
+    #[must_use]
+    pub fn along_walls(self) -> Self {
+        Self { growth: f64::INFINITY, ..self }
     }
 
     /// Goes through gaps hardly wider than the body, `on` or no longer: to get out where it got in.

@@ -141,7 +141,8 @@ impl Search {
     }
 
     fn circuit_round(&self, side: Side, wall: Wall) -> Circuit {
-        let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP).within(self.within);
+        let circuit = Circuit::new(&self.chassis, side, wall, OVERLAP);
+        let circuit = circuit.along_walls().within(self.within);
         if self.any_drift { circuit.with_any_drift() } else { circuit }
     }
 

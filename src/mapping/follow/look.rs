@@ -8,6 +8,10 @@ use crate::robot::{DoneReason, Guard};
 
 /// What is seen beyond a tip lies this far past it at least, metres.
 const PAST_TIP: f64 = 0.02;
+/// A wall that a look finds where it was believed to go on, within this, metres, ...
+const AS_BELIEVED: f64 = 0.008;
+/// ... is followed by a step so many times as long as the one before, round a thing.
+pub(super) const GROWTH: f64 = 1.8;
 
 /// A look ends with its beam so far to the wall's hand of where the robot went, radians: ten degrees past abeam.
 /// Farther back it would find the wall that the robot came along, and take it for one that goes on.
@@ -46,7 +50,7 @@ impl Follower {
             if frontier.certain { frontier.distance(seen.point) } else { 1.0 }
         });
         self.stride = match surprise {
-            Some(off) if off < 0.008 => (self.stride * 1.8).min(LONGEST_STRIDE),
+            Some(off) if off < AS_BELIEVED => (self.stride * self.growth).min(LONGEST_STRIDE),
             _ => SHORTEST_STRIDE,
         };
     }

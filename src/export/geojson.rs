@@ -29,7 +29,8 @@ fn features(record: &RunRecord<'_>) -> Vec<Value> {
     all.extend(outline(record));
     all.extend(walls(record));
     let radius = record.settings.chassis.radius;
-    all.extend(record.map.objects.iter().flat_map(|thing| object(thing, radius)));
+    let way: Vec<Point> = record.map.path.iter().map(|place| place.pose.position).collect();
+    all.extend(record.map.objects.iter().flat_map(|thing| object(thing, radius, &way)));
     all.extend(record.map.unreached.iter().map(gap));
     all.extend(record.map.beyond.iter().filter_map(beyond));
     if let Some(squared) = &record.map.squared {
@@ -114,15 +115,15 @@ fn open(role: &str, points: &[Point], more: Value) -> Option<Value> {
     goes_on.then(|| feature(role, "LineString", json!(line), more))
 }
 
-/// An object by what it keeps a body of `radius` metres off; where that is more than its surfaces, these
+/// An object by what it keeps a body of `radius` metres off that went this `way`; where that is more than its surfaces, these
 /// follow as a line.
-fn object(object: &MappedObject, radius: f64) -> Vec<Value> {
+fn object(object: &MappedObject, radius: f64, way: &[Point]) -> Vec<Value> {
     let more = json!({ "id": object.id, "class": object.class, "closed": object.closed });
     if object.class != ObjectClass::Open {
         let Some(surface) = closed_positions(&object.outline) else { return Vec::new() };
         let is_surface = |contact: &&Contact| contact.kind != ContactKind::Edge;
         let touched = object.contacts.iter().filter(is_surface).map(|contact| contact.point);
-        let faces = moved_in(&object.outline, &touched.collect::<Vec<_>>());
+        let faces = moved_in(&object.outline, &touched.collect::<Vec<_>>(), (way, radius));
         let kept_off = closing(&faces, radius).and_then(|ring| closed_positions(&ring));
         // No reader takes a polygon that crosses itself; the surfaces are one that does not.
         let Some(ring) = kept_off.filter(|ring| is_simple(ring)) else {

@@ -23,8 +23,11 @@ const OF_WALL: f64 = 0.45;
 /// Where a round touches is halved in on so often: a wall of 10 m to a hundredth of a micrometre.
 const HALVINGS: usize = 30;
 /// What runs across an inner corner is no longer than this, metres: in one of 30 degrees the switches see the faces to
-/// where they are 0.25 m apart.
+/// where they are 0.25 m apart ...
 const WIDEST: f64 = 0.25;
+/// ... and no longer than this, metres, where the body was farther in, by so many metres.
+const WIDEST_ENTERED: f64 = 0.6;
+const ENTERED: f64 = 0.03;
 /// A contact nearer than this to what runs across a corner was made on it, metres, ...
 const ON_IT: f64 = 0.01;
 /// ... but near its ends, by this share of it, where it was made on the faces.
@@ -67,20 +70,29 @@ pub fn closing(ring: &Ring, radius: f64) -> Option<Ring> {
 }
 
 /// The outline `ring`, counter-clockwise, of something solid, with what runs straight across its inner corners moved
-/// in, where none of the `touched` places is on it: the faces are straight on beyond their last contacts.
+/// in, where none of the `touched` places is on it: the faces are straight on beyond their last contacts. The `body` was
+/// there, its radius in metres.
 #[must_use]
-pub fn moved_in(ring: &Ring, touched: &[Point]) -> Ring {
+pub fn moved_in(ring: &Ring, touched: &[Point], body: (&[Point], f64)) -> Ring {
     let count = ring.pieces.len();
     let mut ring = ring.clone();
     for k in 0..count {
         let (before, after) = ((k + count - 1) % count, (k + 1) % count);
         let [face, across, other] = [before, k, after].map(|k| ring.pieces[k]);
-        let on_it = |p: &Point| {
+        let is_near = |p: &Point, off: f64| {
             let is_between = (OF_ENDS..1.0 - OF_ENDS).contains(&across.nearest(*p));
-            is_between && across.distance(*p) < ON_IT
+            is_between && across.distance(*p) < off
         };
+        let is_wide = |length: f64| {
+            let (way, radius) = body;
+            length > WIDEST_ENTERED
+                || (length > WIDEST && !way.iter().any(|p| is_near(p, radius - ENTERED)))
+        };
+        let is_felt = || touched.iter().any(|p| is_near(p, ON_IT));
         let corner = inner_corner(&face, &across, &other);
-        let Some(corner) = corner.filter(|_| !touched.iter().any(on_it)) else { continue };
+        let Some(corner) = corner.filter(|_| !is_wide(across.length()) && !is_felt()) else {
+            continue;
+        };
         let [from, to] = [across.from(), across.to()].map(|end| end + (corner - end) * MOVED_IN);
         let mut opened = ring.clone();
         opened.pieces[before] = Piece::with_bulge(face.from(), from, 0.0);
@@ -98,7 +110,7 @@ pub fn moved_in(ring: &Ring, touched: &[Point]) -> Ring {
 /// corner; counter-clockwise.
 fn inner_corner(before: &Piece, across: &Piece, after: &Piece) -> Option<Point> {
     let is_straight = |piece: &&Piece| matches!(piece, Piece::Line { .. });
-    if ![before, across, after].iter().all(is_straight) || across.length() > WIDEST {
+    if ![before, across, after].iter().all(is_straight) {
         return None;
     }
     let (along, back) = (before.tangent(1.0), -after.tangent(0.0));
@@ -323,7 +335,8 @@ mod tests {
         .map(|(x, y)| Point::new(x, y));
         let ring = Ring::polygon(&boards);
         let corner = Point::new(1.9604, 0.4932);
-        let opened = moved_in(&ring, &boards);
+        let nowhere: (&[Point], f64) = (&[], 0.1);
+        let opened = moved_in(&ring, &boards, nowhere);
         assert!((opened.distance(corner) - ring.distance(corner) / 2.0).abs() < 0.005);
         // The closing of the two boards where they do meet.
         let met = [&boards[..6], &[corner], &boards[8..]].concat();
@@ -335,16 +348,39 @@ mod tests {
         let seen = [(1.9496, 0.4931), (1.9433, 0.5013), (1.9503, 0.508), (1.9584, 0.4993)];
         let between = seen.map(|(x, y)| Point::new(x, y));
         let slotted = [&boards[..3], &between, &boards[3..]].concat();
-        let slotted = moved_in(&Ring::polygon(&slotted), &slotted);
+        let slotted = moved_in(&Ring::polygon(&slotted), &slotted, nowhere);
         assert!(between.iter().all(|p| slotted.distance(*p) < 1e-9));
         assert!(slotted.distance(nalgebra::center(&boards[6], &corner)) < 0.001, "{slotted:?}");
         // Somebody has put a board across, and the robot has felt it.
         let felt = [&boards[..], &[Point::new(1.895, 0.556)]].concat();
-        assert_eq!(moved_in(&ring, &felt), ring);
+        assert_eq!(moved_in(&ring, &felt, nowhere), ring);
         // Outer corners with a bevel, and boxes, stay as they are.
         let bevelled = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.2), (0.3, 0.3), (0.0, 0.3)];
         let bevelled = Ring::polygon(&bevelled.map(|(x, y)| Point::new(x, y)));
-        assert_eq!(moved_in(&bevelled, &[]), bevelled);
+        assert_eq!(moved_in(&bevelled, &[], nowhere), bevelled);
+    }
+
+    #[test]
+    fn a_wide_side_across_an_inner_corner_that_the_body_was_in_is_moved_in() {
+        // Two boards again, one of which was not looked at for 0.4 m before the corner.
+        let boards = [
+            (0.741, 0.676),
+            (0.737, 0.656),
+            (1.942, 0.475),
+            (1.973, 0.504),
+            (1.811, 1.305),
+            (1.792, 1.305),
+            (1.879, 0.89),
+            (1.829, 0.511),
+        ];
+        let ring = Ring::polygon(&boards.map(|(x, y)| Point::new(x, y)));
+        // The robot turned in the corner, where it has its clearance of both boards.
+        let place = Point::new(1.778, 0.655);
+        let of = |way: &[Point]| moved_in(&ring, &[], (way, 0.1));
+        assert_eq!(of(&[]), ring);
+        assert_eq!(of(&[Point::new(1.7, 0.7)]), ring, "not so far in");
+        let opened = of(&[place]);
+        assert!(ring.distance(place) < 0.07 && opened.distance(place) > 0.1, "{opened:?}");
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //! only join what was seen on both sides. Knows an outline, its contacts and where switches stayed closed, not
 //! what stands behind the gap.
 
-use crate::geometry::{Piece, Point, Ring, cross};
+use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::mapping::follow;
 use crate::mapping::map::Contact;
 use crate::robot::Chassis;
 use std::ops::Range;
@@ -20,6 +21,10 @@ const WALL_ENDS: f64 = 0.17;
 const END_FACE: f64 = 0.1;
 /// Narrower gaps are none that anybody would want to know of, metres.
 const NARROWEST: f64 = 0.08;
+/// A chord beside one that is so many times as long cuts off the end of the wall there: nothing stands between two gaps.
+const END_OF_WIDER: f64 = 2.0;
+/// The walls of a corner are seen to where the switches reach them, or to so many metres before that.
+const SHORT_OF: f64 = 0.1;
 
 /// What is seen through the middle of a gap, shares of its chord, stands farther behind it than this, metres.
 const MIDDLE: Range<f64> = 0.33..0.67;
@@ -143,27 +148,32 @@ fn line(from: Point, to: Point) -> Piece {
 
 /// The chords of a room's `outline` across gaps that the robot did not enter: near one end of each a
 /// wall ends, at once or behind what was seen of its end face. Between two walls that both go on
-/// behind it, a chord only cuts off their corner. Beside those of the outline as it is, those that show when walls
+/// behind it, a chord only cuts off their corner, if they were seen as near to that as walls are. Beside those of the outline as it is, those that show when walls
 /// which the fit ended too early are taken to where they were seen last.
 #[must_use]
 pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Piece> {
     let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();
     let lengths = NARROWEST..chassis.passable_gap();
-    let mut found = mouths_of(outline, &touched, &lengths);
+    let mut found = mouths_of(outline, &touched, &lengths, chassis);
     if let Some(moved) = seen_to_its_ends(outline, Floor::Inside, &touched, &lengths) {
         let is_new = |mouth: &Piece| {
             let off = |known: &Piece| (known.at(0.5) - mouth.at(0.5)).norm();
             found.iter().all(|known| off(known) > known.length())
         };
         let more: Vec<Piece> =
-            mouths_of(&moved, &touched, &lengths).into_iter().filter(is_new).collect();
+            mouths_of(&moved, &touched, &lengths, chassis).into_iter().filter(is_new).collect();
         found.extend(more);
     }
     found
 }
 
 /// The same of the outline as it is, seen as `touched` from the floor within.
-fn mouths_of(outline: &Ring, touched: &[(Point, Point)], lengths: &Range<f64>) -> Vec<Piece> {
+fn mouths_of(
+    outline: &Ring,
+    touched: &[(Point, Point)],
+    lengths: &Range<f64>,
+    chassis: &Chassis,
+) -> Vec<Piece> {
     let pieces = &outline.pieces;
     let count = pieces.len();
     let turns = |k: usize| {
@@ -174,11 +184,34 @@ fn mouths_of(outline: &Ring, touched: &[(Point, Point)], lengths: &Range<f64>) -
     let face = |k: usize| pieces[k % count].length() < END_FACE;
     let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
     let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
-    (0..count)
-        .filter(|&k| is_chord(&pieces[k], Floor::Inside, touched, lengths))
-        .filter(|&k| ends_before(k) || ends_after(k))
-        .map(|k| pieces[k])
-        .collect()
+    let crosses: Vec<bool> =
+        pieces.iter().map(|piece| is_chord(piece, Floor::Inside, touched, lengths)).collect();
+    let is_mouth = |&k: &usize| {
+        let beside = [(k + count - 1) % count, (k + 1) % count];
+        let is_of =
+            |&n: &usize| crosses[n] && pieces[n].length() > END_OF_WIDER * pieces[k].length();
+        let [before, after] = beside.map(|n| &pieces[n]);
+        crosses[k]
+            && !beside.iter().any(is_of)
+            && (ends_before(k) || ends_after(k) || ends_early(before, &pieces[k], after, chassis))
+    };
+    (0..count).filter(is_mouth).map(|k| pieces[k]).collect()
+}
+
+/// Whether one of the walls `before` and `after`, which meet behind the `chord` if they go on, ends before that: the
+/// robot, whose centre comes as near to a corner as its clearance of both walls lets it, would have seen more of it.
+fn ends_early(before: &Piece, chord: &Piece, after: &Piece, chassis: &Chassis) -> bool {
+    let (along, onward) = (before.tangent(1.0), after.tangent(0.0));
+    let (across, sine) = (chord.to() - chord.from(), cross(along, onward));
+    if sine < WALL_ENDS {
+        return false;
+    }
+    let clear = follow::clearance(chassis);
+    let seen = (chassis.reach() * chassis.reach() - clear * clear).sqrt();
+    let turn = angle::wrap(angle::of(onward) - angle::of(along));
+    let unseen = (clear * angle::tan(turn / 2.0) - seen).max(0.0);
+    let (before, after) = (cross(across, onward) / sine, cross(along, across) / sine);
+    before.min(after) > 0.0 && before.max(after) > unseen + SHORT_OF
 }
 
 #[cfg(test)]
@@ -251,6 +284,32 @@ mod tests {
             [(at(1.8, 0.0), at(2.02, -0.02))]
         );
         assert_eq!(told(40), Vec::new());
+    }
+
+    #[test]
+    fn a_wall_that_was_not_seen_to_its_corner_ends_at_a_gap() {
+        let at = |x: f64, y: f64| Point::new(x, y);
+        // The walls y = 0 and x = 4 would meet at (4, 0): seen to `short` before that, and to 0.1 m.
+        let told = |short: f64, top: f64| {
+            let room =
+                [at(0.0, 0.0), at(4.0 - short, 0.0), at(4.0, 0.1), at(top, 3.0), at(0.0, 3.0)];
+            mouths(&Ring::polygon(&room), &[], &Chassis::default()).len()
+        };
+        assert_eq!((told(0.1, 4.0), told(0.15, 4.0)), (0, 0), "as near as walls are seen");
+        assert_eq!((told(0.2, 4.0), told(0.28, 4.0)), (1, 1), "no wall there");
+        // Into a corner of 60 degrees less of them is seen.
+        assert_eq!((told(0.2, 2.3), told(0.32, 2.3)), (0, 1));
+    }
+
+    #[test]
+    fn the_end_of_a_wall_that_is_cut_off_beside_a_gap_is_no_gap_of_its_own() {
+        // A wall along x = 2.25 ends at a gap of 0.3 m, its corner cut off by one contact on its end face.
+        let at = |x: f64, y: f64| Point::new(x, y);
+        let room = [at(0.0, 0.0), at(2.25, 0.0), at(2.25, 0.95), at(2.27, 1.04), at(2.0, 1.17)];
+        let room = Ring::polygon(&[&room[..], &[at(0.0, 1.17)]].concat());
+        let found = mouths(&room, &[], &Chassis::default());
+        let ends: Vec<_> = found.iter().map(|mouth| (mouth.from(), mouth.to())).collect();
+        assert_eq!(ends, [(at(2.27, 1.04), at(2.0, 1.17))]);
     }
 
     #[test]

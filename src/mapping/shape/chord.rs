@@ -25,6 +25,8 @@ const NARROWEST: f64 = 0.08;
 const END_OF_WIDER: f64 = 2.0;
 /// The walls of a corner are seen to where the switches reach them, or to so many metres before that.
 const SHORT_OF: f64 = 0.1;
+/// What runs across a corner and is wider than the body by less than this, metres, may be a wall.
+const BEVEL: f64 = 0.02;
 
 /// What is seen through the middle of a gap, shares of its chord, stands farther behind it than this, metres.
 const MIDDLE: Range<f64> = 0.33..0.67;
@@ -203,7 +205,8 @@ fn mouths_of(
 fn ends_early(before: &Piece, chord: &Piece, after: &Piece, chassis: &Chassis) -> bool {
     let (along, onward) = (before.tangent(1.0), after.tangent(0.0));
     let (across, sine) = (chord.to() - chord.from(), cross(along, onward));
-    if sine < WALL_ENDS {
+    // A bevel no wider than the body may lie between two looks.
+    if sine < WALL_ENDS || across.norm() < 2.0 * chassis.radius + BEVEL {
         return false;
     }
     let clear = follow::clearance(chassis);
@@ -296,7 +299,8 @@ mod tests {
             mouths(&Ring::polygon(&room), &[], &Chassis::default()).len()
         };
         assert_eq!((told(0.1, 4.0), told(0.15, 4.0)), (0, 0), "as near as walls are seen");
-        assert_eq!((told(0.2, 4.0), told(0.28, 4.0)), (1, 1), "no wall there");
+        assert_eq!((told(0.21, 4.0), told(0.28, 4.0)), (1, 1), "no wall there");
+        assert_eq!(told(0.19, 4.0), 0, "a bevel");
         // Into a corner of 60 degrees less of them is seen.
         assert_eq!((told(0.2, 2.3), told(0.32, 2.3)), (0, 1));
     }

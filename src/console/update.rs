@@ -70,10 +70,13 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
     // its key a letter like others. Ctrl-C stops what may move, whatever else the keymap has made of it.
     let stops = action == Some(Action::Stop) || (key.is_ctrl_c() && may_move(snapshot));
     if stops && (!typing || key.typed().is_none() || may_move(snapshot)) {
-        if !typing {
-            model.overlay = Overlay::None;
-        }
+        close_unless_typing(model, key);
         return perform(model, snapshot, Action::Stop);
+    }
+    // Whoever leaves for the shell means it, whatever is open: the robot stops for that.
+    if action == Some(Action::Suspend) && (!typing || key.typed().is_none()) {
+        close_unless_typing(model, key);
+        return perform(model, snapshot, Action::Suspend);
     }
     let overlay = std::mem::take(&mut model.overlay);
     if Regions::of(model.size.0, model.size.1).is_none() && overlay != Overlay::ConfirmQuit {
@@ -117,6 +120,15 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             }
             tell(model, "the run is not ended".to_owned())
         }
+    }
+}
+
+/// Closes what lies over the map; a line that is typed stays, with what `key` types.
+fn close_unless_typing(model: &mut Model, key: Key) {
+    if let Overlay::Line(line) = &mut model.overlay {
+        line.insert(&key.typed().map(String::from).unwrap_or_default());
+    } else {
+        model.overlay = Overlay::None;
     }
 }
 

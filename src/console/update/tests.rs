@@ -107,6 +107,11 @@ fn in_a_replay_there_is_no_robot_to_ask_about() {
     assert_eq!(model.overlay, Overlay::Line("at ".into()));
     snapshot.recorded = false;
     assert_eq!(press(&mut model, &snapshot, space), [Effect::Intent(Intent::Stop)]);
+    assert_eq!(
+        model.overlay,
+        Overlay::Line("at  ".into()),
+        "a name that is typed keeps its spaces"
+    );
 }
 
 /// What was to be said to the robot then is nothing to be said to its record: it plays on, and pauses.
@@ -221,6 +226,25 @@ fn ctrl_c_stops_the_robot_whatever_the_keymap_says() {
     assert_eq!(press(&mut model, &snapshot, ctrl_c), [Effect::Quit]);
     let mut model = Model { keymap: Keymap::parse(bare, "my.toml").expect("a keymap"), ..model };
     assert_eq!(press(&mut model, &snapshot, ctrl_c), stop);
+}
+
+#[test]
+fn ctrl_z_stops_the_robot_and_leaves_for_the_shell_whatever_is_open() {
+    let ctrl_z = Key::parse("ctrl-z").expect("a key");
+    let (_, mut snapshot) = waiting();
+    snapshot.run = RunState::Running;
+    for overlay in [
+        Overlay::None,
+        Overlay::Help(0),
+        Overlay::List(0),
+        Overlay::Line("at".into()),
+        Overlay::ConfirmQuit,
+        Overlay::ConfirmFinish,
+    ] {
+        let mut model = Model { overlay, ..Model::new(80, 24, Keymap::default()) };
+        let effects = press(&mut model, &snapshot, ctrl_z);
+        assert_eq!(effects, [Effect::Intent(Intent::Stop), Effect::Suspend], "{:?}", model.overlay);
+    }
 }
 
 #[test]

@@ -124,7 +124,9 @@ fn object(object: &MappedObject, radius: f64, way: &[Point]) -> Vec<Value> {
         let is_surface = |contact: &&Contact| contact.kind != ContactKind::Edge;
         let touched = object.contacts.iter().filter(is_surface).map(|contact| contact.point);
         let faces = moved_in(&object.outline, &touched.collect::<Vec<_>>(), (way, radius));
-        let kept_off = closing(&faces, radius).and_then(|ring| closed_positions(&ring));
+        let is_moved = faces != object.outline;
+        let kept_off = closing(&faces, radius).or_else(|| is_moved.then_some(faces));
+        let kept_off = kept_off.and_then(|ring| closed_positions(&ring));
         // No reader takes a polygon that crosses itself; the surfaces are one that does not.
         let Some(ring) = kept_off.filter(|ring| is_simple(ring)) else {
             return vec![feature("object", "Polygon", json!([surface]), more)];

@@ -34,9 +34,12 @@ const ON_IT: f64 = 0.01;
 const OF_ENDS: f64 = 0.15;
 /// Faces that are as good as parallel meet nowhere, as the two sides of a slot: sine of 20 degrees.
 const LEAST_SINE: f64 = 0.34;
-/// Moved in by this share of the way to where the faces would meet it lies behind what a body feels, in corners of 20
-/// degrees and more.
+/// It is moved in by this share of the way to where the faces would meet, at least, and so far that it lies behind what
+/// a body feels, by this share of what that leaves.
 const MOVED_IN: f64 = 0.5;
+const BEHIND: f64 = 0.9;
+/// What was touched in a corner is of its faces when it is nearer to them than this, metres.
+const OF_FACES: f64 = 0.015;
 
 /// The outline, counter-clockwise, of what the solid inside `ring` (counter-clockwise) keeps a body of
 /// `radius` metres off; none when that is `ring` itself.
@@ -88,12 +91,18 @@ pub fn moved_in(ring: &Ring, touched: &[Point], body: (&[Point], f64)) -> Ring {
             length > WIDEST_ENTERED
                 || (length > WIDEST && !way.iter().any(|p| is_near(p, radius - ENTERED)))
         };
-        let is_felt = || touched.iter().any(|p| is_near(p, ON_IT));
+        let is_felt = |corner: &Point| {
+            touched.iter().any(|p| is_near(p, ON_IT) || is_within(&across, *corner, *p))
+        };
         let corner = inner_corner(&face, &across, &other);
-        let Some(corner) = corner.filter(|_| !is_wide(across.length()) && !is_felt()) else {
+        let Some(corner) = corner.filter(|it| !is_wide(across.length()) && !is_felt(it)) else {
             continue;
         };
-        let [from, to] = [across.from(), across.to()].map(|end| end + (corner - end) * MOVED_IN);
+        let far = unfelt(&across, corner, body.1);
+        let [from, to] = [across.from(), across.to()].map(|end| {
+            let arm = end - corner;
+            corner + arm * (1.0 - MOVED_IN).min(far / arm.norm())
+        });
         let mut opened = ring.clone();
         opened.pieces[before] = Piece::with_bulge(face.from(), from, 0.0);
         opened.pieces[k] = Piece::with_bulge(from, to, 0.0);
@@ -104,6 +113,24 @@ pub fn moved_in(ring: &Ring, touched: &[Point], body: (&[Point], f64)) -> Ring {
         }
     }
     ring
+}
+
+/// Whether `p` lies between what runs `across` a corner and that, and is of neither face.
+fn is_within(across: &Piece, corner: Point, p: Point) -> bool {
+    let sides = [across.from(), across.to(), corner];
+    let is_in = (0..3).all(|k| cross(sides[(k + 1) % 3] - sides[k], p - sides[k]) > 0.0);
+    let is_of = |end: Point| cross((end - corner).normalize(), p - corner).abs() < OF_FACES;
+    is_in && !is_of(across.from()) && !is_of(across.to())
+}
+
+/// How far from a `corner` what runs straight across it, from face to face like `across`, may end so that a body of
+/// `radius` metres does not feel it, metres: a disc comes as near to the corner as its radius over the sine of half its
+/// angle, less the radius.
+fn unfelt(across: &Piece, corner: Point, radius: f64) -> f64 {
+    let (one, other) = (across.from() - corner, across.to() - corner);
+    let half = angle::wrap(angle::of(one) - angle::of(other)).abs() / 2.0;
+    let (sine, cosine) = (angle::sin(half), angle::cos(half));
+    BEHIND * radius * (1.0 - sine) / (sine * cosine)
 }
 
 /// Where the straight faces `before` and `after` of something solid would meet that `across` joins, if that is an inner
@@ -381,6 +408,28 @@ mod tests {
         assert_eq!(of(&[Point::new(1.7, 0.7)]), ring, "not so far in");
         let opened = of(&[place]);
         assert!(ring.distance(place) < 0.07 && opened.distance(place) > 0.1, "{opened:?}");
+    }
+
+    #[test]
+    fn a_side_across_an_inner_corner_is_moved_in_behind_what_a_body_feels() {
+        let at = |x: f64, y: f64| Point::new(x, y);
+        // An L of two thick walls whose corner at (0, 0) is cut off at 0.4 m, and seen from the upper right.
+        let cut = |by: f64| {
+            let outer = [at(-0.1, 1.5), at(-0.1, -0.1), at(1.5, -0.1), at(1.5, 0.0)];
+            Ring::polygon(&[&outer[..], &[at(by, 0.0), at(0.0, by), at(0.0, 1.5)]].concat())
+        };
+        let whole = [at(-0.1, 1.5), at(-0.1, -0.1), at(1.5, -0.1), at(1.5, 0.0), at(0.0, 0.0)];
+        let whole = Ring::polygon(&[&whole[..], &[at(0.0, 1.5)]].concat());
+        let felt = closing(&whole, 0.1).expect("a round").area();
+        let body = [at(0.19, 0.19), at(0.145, 0.145)];
+        for by in [0.4, 0.17, 0.1] {
+            let opened = moved_in(&cut(by), &[], (&body, 0.1));
+            let area = closing(&opened, 0.1).map_or(opened.area(), |ring| ring.area());
+            assert!((area - felt).abs() < 1e-4, "{by}: {area}, {felt}");
+        }
+        // What was touched in the corner is there.
+        let standing = [at(0.12, 0.12)];
+        assert_eq!(moved_in(&cut(0.4), &standing, (&body, 0.1)), cut(0.4), "behind it");
     }
 
     #[test]

@@ -197,8 +197,8 @@ impl Follower {
     }
 
     /// What is followed is most likely a room: the first look that finds its wall where it was believed to go on is
-    /// enough for a long step. Along a thing, of which all that is known comes from a few looks, steps grow
-    /// slowly.
+    /// enough for a long step, though now and then that is a thing which stands free. Along what is known to be a thing, of
+    /// which all that is known comes from a few looks, steps grow slowly.
     #[must_use]
     pub fn along_walls(self) -> Self {
         Self { growth: f64::INFINITY, ..self }

@@ -21,7 +21,7 @@ const WALL_ENDS: f64 = 0.17;
 const END_FACE: f64 = 0.1;
 /// Narrower gaps are none that anybody would want to know of, metres.
 const NARROWEST: f64 = 0.08;
-/// A chord beside one that is so many times as long cuts off the end of the wall there: nothing stands between two gaps.
+/// A gap beside one that is so many times as wide is the end of the wall there, cut off: nothing stands between the two.
 const END_OF_WIDER: f64 = 2.0;
 /// The walls of a corner are seen to where the switches reach them, or to so many metres before that.
 const SHORT_OF: f64 = 0.1;
@@ -186,16 +186,17 @@ fn mouths_of(
     let face = |k: usize| pieces[k % count].length() < END_FACE;
     let ends_before = |k: usize| turns(k) || (face(k + count - 1) && turns(k + count - 1));
     let ends_after = |k: usize| turns(k + 1) || (face(k + 1) && turns(k + 2));
-    let crosses: Vec<bool> =
-        pieces.iter().map(|piece| is_chord(piece, Floor::Inside, touched, lengths)).collect();
-    let is_mouth = |&k: &usize| {
-        let beside = [(k + count - 1) % count, (k + 1) % count];
-        let is_of =
-            |&n: &usize| crosses[n] && pieces[n].length() > END_OF_WIDER * pieces[k].length();
-        let [before, after] = beside.map(|n| &pieces[n]);
-        crosses[k]
-            && !beside.iter().any(is_of)
+    let beside = |k: usize| [(k + count - 1) % count, (k + 1) % count];
+    let is_gap = |k: usize| {
+        let [before, after] = beside(k).map(|n| &pieces[n]);
+        is_chord(&pieces[k], Floor::Inside, touched, lengths)
             && (ends_before(k) || ends_after(k) || ends_early(before, &pieces[k], after, chassis))
+    };
+    let gaps: Vec<bool> = (0..count).map(is_gap).collect();
+    let is_mouth = |&k: &usize| {
+        let is_wider =
+            |&n: &usize| gaps[n] && pieces[n].length() > END_OF_WIDER * pieces[k].length();
+        gaps[k] && !beside(k).iter().any(is_wider)
     };
     (0..count).filter(is_mouth).map(|k| pieces[k]).collect()
 }
@@ -205,7 +206,7 @@ fn mouths_of(
 fn ends_early(before: &Piece, chord: &Piece, after: &Piece, chassis: &Chassis) -> bool {
     let (along, onward) = (before.tangent(1.0), after.tangent(0.0));
     let (across, sine) = (chord.to() - chord.from(), cross(along, onward));
-    // A bevel no wider than the body may lie between two looks.
+    // A bevel hardly wider than the body may lie between two looks.
     if sine < WALL_ENDS || across.norm() < 2.0 * chassis.radius + BEVEL {
         return false;
     }
@@ -292,17 +293,17 @@ mod tests {
     #[test]
     fn a_wall_that_was_not_seen_to_its_corner_ends_at_a_gap() {
         let at = |x: f64, y: f64| Point::new(x, y);
-        // The walls y = 0 and x = 4 would meet at (4, 0): seen to `short` before that, and to 0.1 m.
-        let told = |short: f64, top: f64| {
+        // The walls y = 0 and x = 4 would meet at (4, 0): seen to `short` and to `high` before that.
+        let told = |short: f64, high: f64, top: f64| {
             let room =
-                [at(0.0, 0.0), at(4.0 - short, 0.0), at(4.0, 0.1), at(top, 3.0), at(0.0, 3.0)];
+                [at(0.0, 0.0), at(4.0 - short, 0.0), at(4.0, high), at(top, 3.0), at(0.0, 3.0)];
             mouths(&Ring::polygon(&room), &[], &Chassis::default()).len()
         };
-        assert_eq!((told(0.1, 4.0), told(0.15, 4.0)), (0, 0), "as near as walls are seen");
-        assert_eq!((told(0.21, 4.0), told(0.28, 4.0)), (1, 1), "no wall there");
-        assert_eq!(told(0.19, 4.0), 0, "a bevel");
+        assert_eq!((told(0.16, 0.16, 4.0), told(0.17, 0.15, 4.0)), (0, 0), "as near as they are");
+        assert_eq!((told(0.21, 0.1, 4.0), told(0.28, 0.1, 4.0)), (1, 1), "no wall there");
+        assert_eq!(told(0.19, 0.1, 4.0), 0, "a bevel");
         // Into a corner of 60 degrees less of them is seen.
-        assert_eq!((told(0.2, 2.3), told(0.32, 2.3)), (0, 1));
+        assert_eq!((told(0.2, 0.1, 2.3), told(0.32, 0.1, 2.3)), (0, 1));
     }
 
     #[test]
@@ -314,6 +315,12 @@ mod tests {
         let found = mouths(&room, &[], &Chassis::default());
         let ends: Vec<_> = found.iter().map(|mouth| (mouth.from(), mouth.to())).collect();
         assert_eq!(ends, [(at(2.27, 1.04), at(2.0, 1.17))]);
+        // A chord beside it that is no gap itself, however long, takes nothing of one.
+        let room = [(0.0, 0.0), (2.0, 0.0), (2.0, -0.05), (2.09, -0.05), (2.25, 0.07), (2.6, 1.0)];
+        let room = room.into_iter().chain([(2.6, 3.0), (0.0, 3.0)]).map(|(x, y)| at(x, y));
+        let found = mouths(&Ring::polygon(&room.collect::<Vec<_>>()), &[], &Chassis::default());
+        let ends: Vec<_> = found.iter().map(|mouth| (mouth.from(), mouth.to())).collect();
+        assert_eq!(ends, [(at(2.0, -0.05), at(2.09, -0.05))]);
     }
 
     #[test]

@@ -302,6 +302,28 @@ fn a_thin_post_that_the_lap_went_round_is_on_the_map() {
     assert_eq!(wrong(POST_ON_A_NECK, &["post1"]), Vec::<String>::new());
 }
 
+/// Where contacts cross each other behind such a post, the outline may keep but one of them, or none.
+#[test]
+fn a_post_by_the_wall_is_on_the_map_whole_and_the_wall_behind_it_is_straight() {
+    let thin = [(148, 0.03, 0.24), (185, 0.03, 0.22), (185, 0.03, 0.26)];
+    let thick = [(0, 0.047, 0.24), (111, 0.047, 0.26), (185, 0.047, 0.26), (333, 0.047, 0.26)];
+    for (heading, radius, gap) in thin.into_iter().chain(thick) {
+        let world = format!(
+            "start = {{ x = 2.5, y = 1.3, heading = {heading} }}\n[boundary]\nvertices = [[0, 0], \
+             [3.4, 0], [3.4, 2.6], [0, 2.6]]\n[[objects]]\nname = \"post\"\ncircle = {{ center = \
+             [{:.3}, 1.2], radius = {radius} }}\n",
+            gap + radius
+        );
+        let which = format!("from {heading}: {radius} m, {gap} m off");
+        assert_eq!(wrong(&world, &["post"]), Vec::<String>::new(), "{which}");
+        let room = World::from_toml(&world, "room", 0.1).expect("a world");
+        let settings = Settings::new(room.start);
+        let map = common::mapped(&room, settings, NoiseProfile::None, Phase::Shape);
+        let area = map.shape.expect("a shape").outline.area();
+        assert!((area - 3.4 * 2.6).abs() < 2e-3, "{which}: {area}");
+    }
+}
+
 /// What is reported of a nook: the area inside its outline, square metres, and the way there, metres.
 fn mapped_nook(things: (f64, f64, f64), heading: u32, noise: &str) -> (f64, f64) {
     let text = nook(things, &format!("{{ x = 1.42, y = 0.4, heading = {heading} }}"));

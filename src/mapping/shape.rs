@@ -35,7 +35,7 @@ pub use assemble::Loops;
 pub use chord::mouths;
 pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{Enclosed, enclosed, lost, unmapped};
-pub use neck::{islands, shared_out, tip};
+pub use neck::{is_apart, islands, needles, shared_out, tip};
 pub use object::{KNOWN, Thing, class_of, closer, is_mapped, lies_on, object_outline, things};
 pub use spur::without_spurs;
 pub use strait::cut_at_straits;

@@ -16,6 +16,8 @@ use crate::robot::Chassis;
 const ON_TIP: f64 = 0.015;
 /// It lies no farther than this from what was drawn without it, metres: as far apart as two looks at a face.
 const TO_TIP: f64 = 0.65;
+/// What the outline has lost ends no farther than this from where a needle of it does, metres.
+const OF_LOST: f64 = 0.1;
 /// That is no more than so many times as large with it.
 const MOST_GROWN: f64 = 1.5;
 
@@ -74,7 +76,7 @@ impl Mission {
                 let off = |ring: &Ring| ring.distance(contact.point);
                 islands.iter().all(|ring| off(ring) >= off(&rest))
             });
-        let (walls, lost) = shape::lost(&walls, &rest);
+        let (walls, lost, rest) = self.lost_by(&walls, rest);
         self.map.contacts = walls;
         let parts = shape::shared_out(&own, &islands);
         let alone = !islands.is_empty() || !lost.is_empty();
@@ -98,6 +100,30 @@ impl Mission {
             (is_round(ring) || (joined && is_same(ring))) && !is_driven_over
         };
         again.filter(is_better).unwrap_or(rest)
+    }
+
+    /// What `outline` has lost of the `contacts` that were made beside it: those that it keeps, the things, and what
+    /// remains of it.
+    fn lost_by(&self, contacts: &[Contact], outline: Ring) -> (Vec<Contact>, Vec<Thing>, Ring) {
+        let chassis = &self.settings.chassis;
+        let (mut kept, mut things) = shape::lost(contacts, &outline);
+        let mut rest = outline;
+        // By a needle of the outline some of a thing, or all of it, is not lost to it yet.
+        let without_one = |rest: &Ring| {
+            let needles = shape::needles(rest, contacts, &self.way, chassis);
+            needles.into_iter().find_map(|(tip, bare)| {
+                let (kept, things) = shape::lost(contacts, &bare);
+                let is_of = |thing: &Thing| {
+                    thing.outline.distance(tip) < OF_LOST
+                        && shape::is_apart(&bare, &thing.outline, chassis)
+                };
+                things.iter().any(is_of).then_some((kept, things, bare))
+            })
+        };
+        while let Some(found) = without_one(&rest) {
+            (kept, things, rest) = found;
+        }
+        (kept, things, rest)
     }
 
     /// Ends the map at straits; what remains of `outline`. What was seen behind them is kept by itself.

@@ -190,7 +190,7 @@ fn widest_unseen(contacts: &[Contact]) -> f64 {
 
 /// The contacts of one thing in the order in which a robot goes round it counter-clockwise: it came by more
 /// than once, with another thing between. Round what is large it may not go so straight.
-fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
+pub(super) fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
     let Some((low, high)) = bounds(&contacts) else { return contacts };
     let middle = nalgebra::center(&low, &high);
     if (high - low).norm() < SMALL {

@@ -94,6 +94,47 @@ pub fn tip(
     })
 }
 
+/// The needles of `outline`: corners that it runs to and comes back from through a gap in which nobody has touched
+/// anything; where each ends, and the outline without it. Where contacts cross each other behind a post by the wall,
+/// one of that may be all that the outline keeps of it.
+#[must_use]
+pub fn needles(
+    outline: &Ring,
+    contacts: &[Contact],
+    strokes: &[Stroke],
+    chassis: &Chassis,
+) -> Vec<(Point, Ring)> {
+    let count = outline.pieces.len();
+    if count < 4 {
+        return Vec::new();
+    }
+    let seen = Touched::on(contacts, strokes, chassis);
+    let lengths = TOUCHING..SLANT * chassis.passable_gap();
+    let crosses = |piece: &Piece| seen.is_crossed_by(piece, Floor::Inside, &lengths);
+    let blunted = |k: usize| {
+        let next = (k + 1) % count;
+        let (out, back) = (outline.pieces[k], outline.pieces[next]);
+        if (out.from() - back.to()).norm() > NECK || !crosses(&out) || !crosses(&back) {
+            return None;
+        }
+        let mut pieces = outline.pieces.clone();
+        pieces[k] = Piece::with_bulge(out.from(), back.to(), 0.0);
+        pieces.remove(next);
+        let blunt = Ring { pieces };
+        crossings(&blunt.to_points(SAGITTA)).is_empty().then_some((out.to(), blunt))
+    };
+    (0..count).filter_map(blunted).collect()
+}
+
+/// Whether `thing` stands apart from the `outline` of the room that is about it: the body would fit between, or
+/// sweeps what is between.
+#[must_use]
+pub fn is_apart(outline: &Ring, thing: &Ring, chassis: &Chassis) -> bool {
+    let free = |p: Point| outline.contains(p) && !thing.contains(p);
+    Gap::between(outline, thing)
+        .is_some_and(|gap| gap.is_passed(chassis) || gap.is_swept(free, chassis))
+}
+
 /// The outlines of the things of which `island`, on which `contacts` were made on the way of `strokes`, is
 /// made up: floor that was looked at parts them ([`super::divide`]), or only untouched chords join them.
 pub(super) fn told_apart(

@@ -333,6 +333,16 @@ fn squaring_is_told_at_the_end_and_in_the_report() {
 }
 
 #[test]
+fn what_a_run_did_not_get_to_is_told_at_its_end() {
+    let out = place("unreached").join("run");
+    let to = out.to_str().expect("a path");
+    let run = periplus(&["run", "--world", "sims/bedroom.geojson", "--noise", "none", "--out", to]);
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(said.contains("touched by nobody: "), "{said}");
+    assert!(said.lines().last().is_some_and(|line| line.starts_with("complete")), "{said}");
+}
+
+#[test]
 fn export_hands_over_what_a_run_left() {
     let dir = place("export");
     fs::write(dir.join("map.svg"), "<svg/>").expect("a result");

@@ -3,6 +3,7 @@
 use super::{CommandError, output};
 use crate::export::RunRecord;
 use crate::mapping::event::EventKind;
+use crate::mapping::unreached;
 use crate::runtime::{Ending, OutputFolder};
 use crate::wording::ended;
 
@@ -78,6 +79,17 @@ pub fn print_squared(record: &RunRecord<'_>) -> Result<(), CommandError> {
     }
     let told = EventKind::squared(record.map.squared.as_ref());
     output::print(&format!("{told}\n"))
+}
+
+/// Prints what the robot did not get to, where it drove all it had to.
+///
+/// # Errors
+/// When standard output cannot be written.
+pub fn print_unreached(record: &RunRecord<'_>) -> Result<(), CommandError> {
+    for told in unreached::told(&record.map.unreached) {
+        output::print(&format!("{told}\n"))?;
+    }
+    Ok(())
 }
 
 /// Prints the last line of a run.

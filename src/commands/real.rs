@@ -125,7 +125,9 @@ pub fn run(
     let driven = Driven { ending, signal, wall_seconds: watch.seconds() };
     let kept = write(&mut run, &driven.ending, &folder, driven.wall_seconds);
     let record = run.record(&driven.ending, driven.wall_seconds);
-    let squared = record.as_ref().map_or(Ok(()), ending::print_squared);
+    let said =
+        |record| ending::print_squared(record).and_then(|()| ending::print_unreached(record));
+    let said = record.as_ref().map_or(Ok(()), said);
     let figures = record.and_then(|record| body::figures(&record));
     drop(run);
     if signal.is_some() && !heard && std::io::stdout().is_terminal() {
@@ -133,7 +135,7 @@ pub fn run(
         return Ok(driven.status());
     }
     let mut status = kept.status(driven.status());
-    squared?;
+    said?;
     if told == Told::Measured && kept != Kept::Nothing {
         status = status.max(ending::print_measured(figures, &folder)?);
     }

@@ -90,6 +90,7 @@ fn finish(
     let kept = Kept::unless(folder.complaint(recorded, &folder.write_results(&record)));
     let mut status = kept.status(driven.status());
     ending::print_squared(&record)?;
+    ending::print_unreached(&record)?;
     if told == Told::Measured {
         status = status.max(ending::print_measured(body::figures(&record), folder)?);
     }

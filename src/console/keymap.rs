@@ -57,8 +57,9 @@ pub enum KeymapError {
     },
     /// A key that does not exist.
     #[error(
-        "{file}:{line}: `{key}` for `{name}` is not a key: write one character, or a name \
-             such as space, left, pageup, f1, with ctrl-, alt- or shift- before it"
+        "{file}:{line}: `{key}` for `{name}` is not a key: write one character (for shift the \
+             one it makes), or a name such as space, left, pageup, f1, with ctrl- or alt- before either and shift- \
+             before a name"
     )]
     UnknownKey {
         /// Name of the file.

@@ -69,7 +69,12 @@ impl FromStr for Address {
             {
                 Ok(Self::Tcp { place: place.to_owned() })
             }
-            Some(_) => Err(format!("`{text}`: write tcp://HOST:PORT")),
+            Some(place) => Err(match place.rsplit_once(':') {
+                Some((_, port)) if !port.is_empty() && port.bytes().all(|b| b.is_ascii_digit()) => {
+                    format!("`{text}`: a port is a number up to {}", u16::MAX)
+                }
+                _ => format!("`{text}`: write tcp://HOST:PORT"),
+            }),
             None if text.is_empty() => Err("the name of the port is empty".to_owned()),
             None => Ok(Self::Serial { path: text.to_owned(), baud: BAUD }),
         }
@@ -269,7 +274,8 @@ mod tests {
         let tcp = Address::Tcp { place: "robot.local:3333".to_owned() };
         assert_eq!("tcp://robot.local:3333".parse(), Ok(tcp));
         assert!("tcp://robot.local".parse::<Address>().is_err());
-        assert!("tcp://robot:99999".parse::<Address>().is_err());
+        let too_large = "tcp://robot:99999".parse::<Address>();
+        assert!(too_large.is_err_and(|why| why.contains("number up to 65535")));
         assert!("".parse::<Address>().is_err());
         let serial: Address = "/dev/ttyUSB0".parse().expect("an address");
         assert_eq!(serial.at_baud(Some(9600)).baud(), 9600);

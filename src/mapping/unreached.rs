@@ -6,6 +6,7 @@
 //! touched, straight across what the robot did not enter, with the end of a wall beside it. What lies behind is not
 //! known: more often than not a gap, but a short face of wall in a corner looks the same.
 
+use super::event::EventKind;
 use super::floor::{Floor, Narrow, SPARE};
 use super::map::{Contact, RoomMap};
 use super::shape::mouths;
@@ -23,6 +24,22 @@ pub struct Unreached {
     /// Where the centre of the body could stand behind it, square metres; none where nobody knows what
     /// lies there.
     pub area: Option<f64>,
+}
+
+/// How what was `found` is told: floor behind a gap each by itself, and what nobody touched all together.
+pub fn told<'a>(found: impl IntoIterator<Item = &'a Unreached>) -> Vec<EventKind> {
+    let (mut told, mut untouched) = (Vec::new(), Vec::new());
+    for &Unreached { at, width, area } in found {
+        match area {
+            Some(area) => told.push(EventKind::Unreached { at, width, area }),
+            None => untouched.push(width),
+        }
+    }
+    let least = untouched.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = untouched.iter().copied().fold(0.0, f64::max);
+    let count = untouched.len();
+    told.extend((count > 0).then_some(EventKind::Untouched { count, least, most }));
+    told
 }
 
 /// Floor beyond a strait ([`super::shape::cut_at_straits`]).

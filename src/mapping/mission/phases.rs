@@ -19,7 +19,7 @@ use crate::mapping::shape::{self, AlongWall, Loops};
 use crate::mapping::smooth::smooth;
 use crate::mapping::thin::{PARTINGS, part};
 use crate::mapping::tour::{Scene, Tour, Turn};
-use crate::mapping::unreached::{Unreached, unreached};
+use crate::mapping::unreached::{self, Unreached, unreached};
 use crate::mapping::wall::length_within;
 
 /// Wheels that turn by more than this where the gyro goes straight do not tell the truth, radians per
@@ -353,18 +353,8 @@ impl Mission {
         let straits: Vec<Point> =
             self.map.beyond.iter().filter_map(|one| Some(one.strait()?.at(0.5))).collect();
         // The straits were told when the map was ended there.
-        for Unreached { at, width, area } in found.iter().copied() {
-            if let Some(area) = area
-                && !straits.contains(&at)
-            {
-                self.tell(EventKind::Unreached { at, width, area }, out);
-            }
-        }
-        let untouched = || found.iter().filter(|one| one.area.is_none()).map(|one| one.width);
-        if let Some(most) = untouched().max_by(f64::total_cmp) {
-            let (count, least) = (untouched().count(), untouched().fold(most, f64::min));
-            self.tell(EventKind::Untouched { count, least, most }, out);
-        }
+        let is_new = |one: &&Unreached| one.area.is_none() || !straits.contains(&one.at);
+        self.tell_all(unreached::told(found.iter().filter(is_new)), out);
         self.map.unreached = found;
     }
 

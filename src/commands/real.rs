@@ -124,16 +124,16 @@ pub fn run(
     let heard = bar.clear();
     let driven = Driven { ending, signal, wall_seconds: watch.seconds() };
     let kept = write(&mut run, &driven.ending, &folder, driven.wall_seconds);
+    if signal.is_some() && !heard && std::io::stdout().is_terminal() {
+        // Told to end, it does not wait for a terminal that takes nothing to take the last line.
+        return Ok(driven.status());
+    }
     let record = run.record(&driven.ending, driven.wall_seconds);
     let said =
         |record| ending::print_squared(record).and_then(|()| ending::print_unreached(record));
     let said = record.as_ref().map_or(Ok(()), said);
     let figures = record.and_then(|record| body::figures(&record));
     drop(run);
-    if signal.is_some() && !heard && std::io::stdout().is_terminal() {
-        // Told to end, it does not wait for a terminal that takes nothing to take the last line.
-        return Ok(driven.status());
-    }
     let mut status = kept.status(driven.status());
     said?;
     if told == Told::Measured && kept != Kept::Nothing {

@@ -82,7 +82,7 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
     if Regions::of(model.size.0, model.size.1).is_none() && overlay != Overlay::ConfirmQuit {
         // Whoever does not see what a key does shall not do it unawares.
         return match action {
-            Some(Action::Quit | Action::Redraw | Action::Suspend) => {
+            Some(Action::Quit | Action::Redraw) => {
                 action.map_or_else(Vec::new, |action| perform(model, snapshot, action))
             }
             _ => Vec::new(),

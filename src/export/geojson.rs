@@ -115,8 +115,8 @@ fn open(role: &str, points: &[Point], more: Value) -> Option<Value> {
     goes_on.then(|| feature(role, "LineString", json!(line), more))
 }
 
-/// An object by what it keeps a body of `radius` metres off that went this `way`; where that is more than its surfaces, these
-/// follow as a line.
+/// An object by what it keeps a body of `radius` metres off that went this `way`; where that is more than its
+/// surfaces, these follow as a line.
 fn object(object: &MappedObject, radius: f64, way: &[Point]) -> Vec<Value> {
     let more = json!({ "id": object.id, "class": object.class, "closed": object.closed });
     if object.class != ObjectClass::Open {

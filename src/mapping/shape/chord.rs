@@ -150,8 +150,9 @@ fn line(from: Point, to: Point) -> Piece {
 
 /// The chords of a room's `outline` across gaps that the robot did not enter: near one end of each a
 /// wall ends, at once or behind what was seen of its end face. Between two walls that both go on
-/// behind it, a chord only cuts off their corner, if they were seen as near to that as walls are. Beside those of the outline as it is, those that show when walls
-/// which the fit ended too early are taken to where they were seen last.
+/// behind it, a chord only cuts off their corner, if they were seen as near to that as walls are, or if it is hardly
+/// wider than the body. Beside those of the outline as it is, those that show when walls which the fit ended too early
+/// are taken to where they were seen last.
 #[must_use]
 pub fn mouths(outline: &Ring, contacts: &[Contact], chassis: &Chassis) -> Vec<Piece> {
     let touched: Vec<(Point, Point)> = contacts.iter().map(|c| (c.point, c.from)).collect();

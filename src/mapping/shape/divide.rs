@@ -142,7 +142,7 @@ fn as_one(of: &[usize], contacts: &[Contact], chassis: &Chassis) -> Vec<usize> {
     let mut stands_for: BTreeMap<usize, usize> = rings.iter().map(|(k, _)| (*k, *k)).collect();
     for (k, (one, ring)) in rings.iter().enumerate() {
         for (other, beside) in &rings[k + 1..] {
-            let apart = |gap: Gap| gap.is_passed(chassis) || gap.is_swept(free, chassis);
+            let apart = |gap: Gap| gap.parts(free, chassis);
             if !Gap::between(ring, beside).is_some_and(apart) {
                 let (kept, gone) = (stands_for[one], stands_for[other]);
                 stands_for.values_mut().filter(|piece| **piece == gone).for_each(|it| *it = kept);
@@ -190,7 +190,7 @@ fn widest_unseen(contacts: &[Contact]) -> f64 {
 
 /// The contacts of one thing in the order in which a robot goes round it counter-clockwise: it came by more
 /// than once, with another thing between. Round what is large it may not go so straight.
-pub(super) fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
+fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
     let Some((low, high)) = bounds(&contacts) else { return contacts };
     let middle = nalgebra::center(&low, &high);
     if (high - low).norm() < SMALL {

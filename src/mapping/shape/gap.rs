@@ -56,6 +56,12 @@ impl Gap {
         (self.to - self.from).norm() > chassis.passable_gap()
     }
 
+    /// Whether nothing can join the two: the robot passes between, or its body sweeps what is there. `free` tells
+    /// floor from things.
+    pub(super) fn parts(&self, free: impl Fn(Point) -> bool, chassis: &Chassis) -> bool {
+        self.is_passed(chassis) || self.is_swept(free, chassis)
+    }
+
     /// Whether the body sweeps a place of the gap from both sides, when it goes where the follower's
     /// disc goes, and a little deeper. `free` tells floor from things.
     pub(super) fn is_swept(&self, free: impl Fn(Point) -> bool, chassis: &Chassis) -> bool {

@@ -4,7 +4,6 @@
 //! floor, and leave out what stands in it. And what an outline has lost, or the map does not have yet, although
 //! it was gone round. Knows contacts and outlines alone; what becomes of the map, the mission decides.
 
-use super::divide::in_order;
 use super::object::{Thing, things};
 use crate::geometry::{Point, Ring, Vector, angle};
 use crate::mapping::map::{Contact, ContactKind};
@@ -87,9 +86,7 @@ pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) 
     let mut things = Vec::new();
     let mut groups = gone_round(contacts, off, |one, other| are_near(contacts, one, other));
     groups.retain(|group| {
-        let seen: Vec<Contact> = group.iter().map(|&k| contacts[k]).collect();
-        let as_seen = Thing::of(seen.clone());
-        let thing = if as_seen.is_drawn() { as_seen } else { Thing::of(in_order(seen)) };
+        let thing = Thing::of(group.iter().map(|&k| contacts[k]).collect());
         let is_drawn = thing.is_drawn();
         things.extend(is_drawn.then_some(thing));
         is_drawn

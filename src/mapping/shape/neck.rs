@@ -4,7 +4,7 @@
 //! like that are two; that the gap is too narrow to pass does not make it solid. Where the body would
 //! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]); and so they are where
 //! worn switches laid two faces through each other and what nobody has looked at may be a board
-//! ([`super::divide`]). Knows outlines, contacts, and the way where they need it; not what becomes of the map.
+//! ([`super::divide`]). Of a thing that the outline has lost a tip, or a needle, may be left on it. Knows outlines, contacts, and the way where they need it; not what becomes of the map.
 
 use super::chord::{Floor, SHORTEST, SUPPORT, is_chord, is_held, seen_to_its_ends};
 use super::gap::{Gap, TOUCHING};
@@ -131,8 +131,7 @@ pub fn needles(
 #[must_use]
 pub fn is_apart(outline: &Ring, thing: &Ring, chassis: &Chassis) -> bool {
     let free = |p: Point| outline.contains(p) && !thing.contains(p);
-    Gap::between(outline, thing)
-        .is_some_and(|gap| gap.is_passed(chassis) || gap.is_swept(free, chassis))
+    Gap::between(outline, thing).is_some_and(|gap| gap.parts(free, chassis))
 }
 
 /// The outlines of the things of which `island`, on which `contacts` were made on the way of `strokes`, is
@@ -263,7 +262,7 @@ fn cut_at(
         };
         let free = |p: Point| (floor == Floor::Inside) == rest.contains(p) && !island.contains(p);
         let gap = Gap::between(&rest, &island)?;
-        (gap.is_passed(chassis) || gap.is_swept(free, chassis)).then_some((rest, island))
+        gap.parts(free, chassis).then_some((rest, island))
     })
 }
 

@@ -161,10 +161,9 @@ fn a_settings_file_is_told_by_file_line_and_key() {
 fn a_file_that_is_not_there_is_told_with_what_it_was_to_be() {
     let world = "sims/rectangle.toml";
     for (arguments, words) in [
-        (
-            &["run", "--world", world, "--out", "x", "--chassis", "nosuch"][..],
-            "the chassis nosuch: ",
-        ),
+        (&["run", "--world", "nosuch", "--out", "x"][..], "nosuch: cannot be read: "),
+        (&["run", "--world", "sims", "--out", "x"], "sims: a folder; name a world in it"),
+        (&["run", "--world", world, "--out", "x", "--chassis", "nosuch"], "the chassis nosuch: "),
         (&["run", "--world", world, "--out", "x", "--config", "nosuch"], "the config nosuch: "),
         (&["replay", "nosuch"], "the record nosuch: "),
         (&["run", "--resume", "nosuch"], "the record nosuch: "),
@@ -198,6 +197,12 @@ fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     let told = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(2), "{told}");
     assert!(told.contains("[boundary]") && told.contains("[keys]"), "{told}");
+    assert!(told.contains("other.toml:1: `colour`"), "{told}");
+    fs::write(&file, "\nradiuss = 0.1\n").expect("a file");
+    let output = periplus(&["check", file.to_str().expect("a plain path")]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(told.contains("other.toml:2: `radiuss`: no kind of file has such a key"), "{told}");
+    assert!(told.contains("Did you mean `radius`?"), "{told}");
     fs::write(&file, "colour = \n").expect("a file");
     let output = periplus(&["check", file.to_str().expect("a plain path"), "/nowhere.toml"]);
     let told = String::from_utf8_lossy(&output.stdout);
@@ -290,7 +295,19 @@ fn what_is_whole_of_a_damaged_record_is_shown_and_handed_over() {
     lines[499][digit] = if lines[499][digit] == b'7' { b'8' } else { b'7' };
     let left_out = lines.len() - 499;
     fs::write(&record, lines.concat()).expect("a record");
-    for name in ["map.json", "map.geojson", "map.svg"] {
+    // A result that tells more than what is whole is handed over, however old it is.
+    let old = std::time::SystemTime::UNIX_EPOCH;
+    let results = ["map.json", "map.geojson", "map.svg"];
+    for name in results {
+        let file = fs::File::options().append(true).open(dir.join(name)).expect("a result");
+        file.set_modified(old).expect("its age");
+        let format = name.split('.').nth(1).unwrap_or_default();
+        let made = periplus(&["export", run, "--format", format, "--out", "-"]);
+        let said = String::from_utf8_lossy(&made.stderr);
+        assert!(said.contains("of which no more than the result tells is whole"), "{said}");
+        assert!(made.stdout == fs::read(dir.join(name)).expect("a result"), "{name}: {said}");
+    }
+    for name in results {
         fs::remove_file(dir.join(name)).expect("a result");
     }
     let warned = |output: &std::process::Output| {

@@ -21,10 +21,15 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// The keys that a chassis file may have.
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    MEASURES.iter().map(|measure| measure.name).chain(["sensors"])
+}
+
 /// Whether a chassis file has such a key.
 #[must_use]
 pub fn has(key: &str) -> bool {
-    key == "sensors" || MEASURES.iter().any(|measure| measure.name == key)
+    keys().any(|known| known == key)
 }
 
 /// Reads a chassis.
@@ -42,8 +47,7 @@ pub fn read(path: &Path) -> Result<Chassis, ArgumentError> {
             continue;
         }
         let Some(measure) = MEASURES.iter().find(|measure| measure.name == entry.key) else {
-            let keys: Vec<&str> = MEASURES.iter().map(|measure| measure.name).collect();
-            return Err(file.unknown(entry, &[&keys[..], &["sensors"]].concat()));
+            return Err(file.unknown(entry, &keys().collect::<Vec<_>>()));
         };
         let Measure { low, high, unit, degrees, of, .. } = *measure;
         let value = entry.number().map_err(|why| file.bad(entry, &why))?;

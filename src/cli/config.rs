@@ -30,6 +30,11 @@ const KEYS: [&str; 18] = [
 /// What belongs to one start of the program, and to no file that is used again.
 const FLAGS_ONLY: [&str; 3] = ["placed", "baud", "config"];
 
+/// The keys that a config file may have.
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    KEYS.into_iter()
+}
+
 /// Whether a config file has such a key.
 #[must_use]
 pub fn has(key: &str) -> bool {

@@ -7,6 +7,7 @@ use crate::geometry::Vector;
 use crate::mapping::event::EventKind;
 use crate::robot::Chassis;
 use crate::simulator::World;
+use crate::spelling::nearest;
 use std::collections::{HashSet, VecDeque};
 use std::fmt::Write;
 use std::path::Path;
@@ -80,14 +81,23 @@ fn toml(path: &Path) -> Result<String, String> {
         let settings = crate::wording::count(keys.len(), "setting", "settings");
         return read.map(|_| format!("config, {settings}")).map_err(|error| error.to_string());
     }
-    if keys.is_empty() {
+    let Some(first) = keys.first() else {
         return Err(format!("{}: the file is empty", path.display()));
-    }
-    Err(format!(
-        "{}: neither a world, which has [boundary], nor a keymap, which has [keys], nor a chassis (radius, \
-         range, sensors ...), nor a config (alpha, seed, world ...)",
-        path.display()
-    ))
+    };
+    // One letter in its only key hides what a file is to be.
+    let worlds = ["boundary", "objects", "keys"].into_iter();
+    let known: Vec<&str> = worlds.chain(chassis::keys()).chain(config::keys()).collect();
+    let near = |entry: &Entry<'_>| nearest(&entry.key, known.iter().copied());
+    let meant = keys.iter().find_map(|entry| near(entry).map(|name| (entry, name)));
+    let (entry, hint) = match meant {
+        Some((entry, name)) => (entry, format!(" Did you mean `{name}`?")),
+        None => (first, String::new()),
+    };
+    let why = format!(
+        "no kind of file has such a key: neither a world, which has [boundary], nor a keymap, which has [keys], \
+         nor a chassis (radius, range, sensors ...), nor a config (alpha, seed, world ...).{hint}"
+    );
+    Err(file.bad(entry, &why).to_string())
 }
 
 fn world(path: &Path) -> Result<String, String> {

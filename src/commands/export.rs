@@ -128,11 +128,11 @@ fn result(args: &ExportArgs, name: &str) -> Result<Found, CommandError> {
         Ok(bytes) if went_on_after(&args.dir, &path) => newest(&args.dir, name, bytes),
         Ok(bytes) => Ok(Found { bytes, from: path }),
         Err(error) if error.kind() == ErrorKind::NotFound => match rebuilt(&args.dir)? {
-            Some(made) => {
+            Some(Made { run, .. }) => {
                 output::say(
                     "periplus: there are no results of the run yet; this is made from its record",
                 );
-                Ok(Found { bytes: of(&made.record(), name)?, from: args.dir.join("journal") })
+                Ok(Found { bytes: of(&run.record(), name)?, from: args.dir.join("journal") })
             }
             None => refused(&error.to_string()),
         },
@@ -144,10 +144,14 @@ fn result(args: &ExportArgs, name: &str) -> Result<Found, CommandError> {
 /// the record. Who copies a folder gives its files another age, so it is asked what the record makes.
 fn newest(dir: &Path, name: &str, bytes: Vec<u8>) -> Result<Found, CommandError> {
     let why = match rebuilt(dir) {
-        Ok(Some(made)) => {
-            let record = made.record();
+        // What is whole of a damaged record says nothing of a run that it ends before.
+        Ok(Some(Made { run, damaged: true })) if !is_longer(&run.record(), dir) => {
+            ", of which no more than the result tells is whole".to_owned()
+        }
+        Ok(Some(Made { run, .. })) => {
+            let record = run.record();
             let reason = why_stopped(dir);
-            let told = reason.as_deref().and_then(|reason| made.stopped_because(reason));
+            let told = reason.as_deref().and_then(|reason| run.stopped_because(reason));
             for record in std::iter::once(&record).chain(&told) {
                 if is_made_of(record, dir, name, &bytes)? {
                     return Ok(Found { bytes, from: dir.join(name) });
@@ -158,11 +162,11 @@ fn newest(dir: &Path, name: &str, bytes: Vec<u8>) -> Result<Found, CommandError>
             );
             return Ok(Found { bytes: of(&record, name)?, from: dir.join("journal") });
         }
-        Ok(None) => String::new(),
-        Err(error) => format!(" ({error})"),
+        Ok(None) => ", which cannot be used".to_owned(),
+        Err(error) => format!(", which cannot be used ({error})"),
     };
     output::say(&format!(
-        "periplus: {} is older than the record of its run, which cannot be used{why}",
+        "periplus: {} is older than the record of its run{why}",
         dir.join(name).display()
     ));
     Ok(Found { bytes, from: dir.join(name) })
@@ -188,10 +192,26 @@ fn is_made_of(
 
 /// Why a run was stopped, as its results have it: that a signal came, or its operator left, is in no record.
 fn why_stopped(dir: &Path) -> Option<String> {
-    let text = std::fs::read_to_string(dir.join("report.json")).ok()?;
-    let report: serde_json::Value = serde_json::from_str(&text).ok()?;
+    let report = report(dir)?;
     let reason = report.get("reason")?.as_str()?;
     (report.get("outcome")? == "stopped").then(|| reason.to_owned())
+}
+
+/// The report of the run, where there is one.
+fn report(dir: &Path) -> Option<serde_json::Value> {
+    let text = std::fs::read_to_string(dir.join("report.json")).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// Whether `record` tells of more of its run than the results in `dir` do: of more seconds.
+fn is_longer(record: &RunRecord<'_>, dir: &Path) -> bool {
+    let told = report(dir).and_then(|report| {
+        let seconds = |phase: &serde_json::Value| phase.get("simulated_s")?.as_f64();
+        report.get("phases")?.as_array()?.iter().map(seconds).sum::<Option<f64>>()
+    });
+    let whole: f64 = record.progress.iter().map(|phase| phase.seconds).sum();
+    // A report counts in milliseconds.
+    told.is_none_or(|told| whole > told + 0.01)
 }
 
 /// The lines of a `map.geojson` but for the trajectories, which have the vertices of the true one where a
@@ -210,22 +230,30 @@ fn went_on_after(dir: &Path, result: &Path) -> bool {
     written(&dir.join("journal")).zip(written(result)).is_some_and(|(record, of)| record > of)
 }
 
+/// A run, made once more from its record.
+struct Made {
+    run: Rebuilt,
+    /// Whether something is left out of the record, and not at its end.
+    damaged: bool,
+}
+
 /// What the record says of a run that has not left its results, because it was killed or goes on; none where there
 /// is no record of anything.
-fn rebuilt(dir: &Path) -> Result<Option<Rebuilt>, CommandError> {
+fn rebuilt(dir: &Path) -> Result<Option<Made>, CommandError> {
     if !dir.join("journal").exists() {
         return Ok(None);
     }
     let Ok(recording) = crate::journal::read_whole_part(dir) else { return Ok(None) };
     // The last line of a run that goes on is not whole as a rule.
-    if recording.torn.is_some_and(|torn| torn.damaged) {
+    let damaged = recording.torn.is_some_and(|torn| torn.damaged);
+    if damaged {
         glue::warn_torn(&recording);
     }
-    let made = Rebuilt::of(recording).map_err(|difference| {
+    let run = Rebuilt::of(recording).map_err(|difference| {
         let why = format!("the record plays back another way than the run went: {difference}");
         CommandError::Input(format!("{}: {why}", dir.display()))
     })?;
-    Ok(Some(made))
+    Ok(Some(Made { run, damaged }))
 }
 
 /// The bytes of one result, made from the record.

@@ -76,10 +76,18 @@ impl World {
                 &place,
                 "ROS maps cannot be read by this version; trace the map to TOML or GeoJSON",
             )),
-            _ => Err(WorldError::new(
-                &place,
-                "not a world: expected a name ending in .toml or .geojson",
-            )),
+            // What is not there, or a folder, is no better for another name.
+            _ => Err(match std::fs::metadata(path) {
+                Err(why) => WorldError::new(&place, format!("cannot be read: {why}")),
+                Ok(there) if there.is_dir() => WorldError::new(
+                    &place,
+                    "a folder; name a world in it, a file ending in .toml or .geojson",
+                ),
+                Ok(_) => WorldError::new(
+                    &place,
+                    "not a world: expected a name ending in .toml or .geojson",
+                ),
+            }),
         }
     }
 
@@ -212,7 +220,11 @@ mod tests {
         let table = [
             (format!("{START}{square}colour = 3\n"), "colour"),
             (format!("{START}[boundary]\nvertexes = [[0,0],[4,0],[4,4]]\n"), "`vertices`"),
-            (format!("{START}[boundary]\nvertices = [[0,0],[4,4],[4,0],[0,4]]\n"), "crosses"),
+            (
+                format!("{START}[boundary]\nvertices = [[0,0],[4,4.5],[4,0],[0,4]]\n"),
+                "what leads from (0, 0) to (4, 4.5) meets what leads from (4, 0) to (0, 4)",
+            ),
+            (format!("{START}[boundary]\nvertices = [[0,0],[4,4],[4]]\n"), "vertex 2 (counted"),
             (format!("{START}[boundary]\nvertices = [[0,0],[4,0]]\n"), "three"),
             (format!("{START}[boundary]\nvertices = [[0,0],[4,0],[nan,4]]\n"), "not a number"),
             (format!("start = {{ x = 9, y = 1 }}\n{square}"), "outside the room"),

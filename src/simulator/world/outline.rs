@@ -27,7 +27,7 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
     if let Some(k) =
         corners.iter().position(|c| !(c.0.is_finite() && c.1.is_finite() && c.2.is_finite()))
     {
-        return error(format!("vertex {k} is not a number"));
+        return error(format!("{} is not a number", vertex(k)));
     }
     if corners.iter().any(|c| c.0.abs() > FAR || c.1.abs() > FAR) {
         return error(TOO_FAR.to_owned());
@@ -56,12 +56,24 @@ pub(super) fn ring(corners: &[Corner], place: &str) -> Result<Ring, WorldError> 
         return error(TOO_FAR.to_owned());
     }
     if let Some((a, b)) = first_crossing(&ring) {
-        return error(format!("the outline crosses itself: piece {a} meets piece {b}"));
+        let side = |k: usize| {
+            let (from, to) = (ring.pieces[k].from(), ring.pieces[k].to());
+            format!("({}, {}) to ({}, {})", from.x, from.y, to.x, to.y)
+        };
+        let (one, other) = (side(a), side(b));
+        return error(format!(
+            "the outline crosses itself: what leads from {one} meets what leads from {other}"
+        ));
     }
     if ring.area().abs() < 1e-6 {
         return error("the outline encloses no area".to_owned());
     }
     Ok(ring.counter_clockwise())
+}
+
+/// What a message calls the vertex at index `k` of an outline.
+pub(super) fn vertex(k: usize) -> String {
+    format!("vertex {k} (counted from 0)")
 }
 
 /// What leads from a corner to the next one.

@@ -3,6 +3,7 @@
 use super::{Draft, World, WorldError, WorldObject, outline};
 use crate::geometry::{Pose, Ring};
 use crate::spelling::unknown_key;
+use crate::wording::count;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -61,7 +62,7 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     let start_place = at(start.span().start, "start");
     let Start { x, y, heading } = *start.get_ref();
     if !(x.is_finite() && y.is_finite() && heading.is_finite()) {
-        return Err(WorldError::new(start_place, "is not a number"));
+        return Err(WorldError::new(start_place, "one of x, y and heading is not a number"));
     }
     if heading.abs() > 360.0 {
         let what = format!("a heading of {heading} is more than a turn; it counts in degrees");
@@ -108,8 +109,9 @@ fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
                         return Err(WorldError::new(
                             place,
                             format!(
-                                "vertex {k} has {} numbers; write [x, y] or [x, y, bulge]",
-                                v.len()
+                                "{} has {}; write [x, y] or [x, y, bulge]",
+                                outline::vertex(k),
+                                count(v.len(), "number", "numbers")
                             ),
                         ));
                     }

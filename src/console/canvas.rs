@@ -49,6 +49,19 @@ impl Pattern {
             Self::Dash { on, of } => step % i64::from(of.max(1)) < i64::from(on),
         }
     }
+
+    /// So many cells of a level line, as the map draws it.
+    #[must_use]
+    pub fn sample(self, cells: u16) -> String {
+        let cell = |cell: i64| {
+            let dot = |step: i64, bit: u8| if self.sets(step) { bit } else { 0 };
+            match dot(2 * cell, 0x04) | dot(2 * cell + 1, 0x20) {
+                0 => ' ',
+                bits => symbol(bits),
+            }
+        };
+        (0..i64::from(cells)).map(cell).collect()
+    }
 }
 
 /// The dots of one frame of the map.
@@ -194,7 +207,7 @@ impl Canvas {
                 if bits == 0 {
                     continue;
                 }
-                let symbol = char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' ');
+                let symbol = symbol(bits);
                 let style = theme.style(role);
                 buf[(area.x + col, area.y + row)].set_char(symbol).set_style(style);
             }
@@ -310,6 +323,11 @@ impl Canvas {
     }
 }
 
+/// The symbol that shows the dots `bits` of a cell.
+fn symbol(bits: u8) -> char {
+    char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' ')
+}
+
 /// The whole number at or below `x`; `f64::floor` is a call on machines of the common kind.
 fn whole(x: f64) -> i32 {
     let cut = x as i32;
@@ -353,6 +371,17 @@ mod tests {
         canvas.clear_disc(Point::new(1.0, 2.0), 5.0);
         canvas.point(Point::new(0.5, 0.5), Role::Trajectory);
         assert_eq!(canvas.cells[0].1, Role::Trajectory, "a cleared cell forgets its role");
+    }
+
+    #[test]
+    fn a_sample_is_what_a_level_line_looks_like() {
+        for pattern in
+            [Pattern::Solid, Pattern::Sparse(2), Pattern::Sparse(3), Pattern::Dash { on: 3, of: 5 }]
+        {
+            let mut canvas = grid(4, 1);
+            canvas.line(Point::new(0.5, 1.5), Point::new(7.5, 1.5), Role::Wall, pattern);
+            assert_eq!(picture(&canvas).trim_end_matches('\n'), pattern.sample(4), "{pattern:?}");
+        }
     }
 
     #[test]

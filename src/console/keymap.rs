@@ -169,6 +169,19 @@ impl Keymap {
 }
 
 impl Keymap {
+    /// The keys that ask for `action`, as shown on screen: the first, and of the others as many as fit in so many
+    /// columns.
+    #[must_use]
+    pub fn labels(&self, action: Action, columns: usize) -> String {
+        let mut shown = self.label(action);
+        for key in self.keys(action).skip(1).map(Key::label) {
+            if shown.chars().count() + 1 + key.chars().count() <= columns {
+                shown = format!("{shown} {key}");
+            }
+        }
+        shown
+    }
+
     /// How the operator comes to `action`: by its first key, or else by its name on the command line.
     #[must_use]
     pub fn way(&self, action: Action) -> String {

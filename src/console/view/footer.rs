@@ -126,6 +126,9 @@ fn draw_entry(pen: &mut Pen<'_>, (keys, word): &Entry, x: u16, y: u16) -> u16 {
 fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut infos: Vec<_> = ACTIONS.iter().filter(|info| matters(info, model, snapshot)).collect();
+    // Over a page every key but these only leaves it.
+    let over_page = matches!(model.overlay, Overlay::Help(_) | Overlay::List(_));
+    infos.retain(|info| !over_page || info.action == Action::Stop);
     if snapshot.recorded {
         // To go to an instant is what a replay is for.
         infos.sort_by_key(|info| match info.action {
@@ -154,6 +157,9 @@ fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
             }
             _ => entries.push((key, word)),
         }
+    }
+    if over_page {
+        entries.extend([("↑ ↓".to_owned(), "scroll"), ("esc".to_owned(), "leave")]);
     }
     entries
 }
@@ -206,6 +212,21 @@ mod tests {
     fn some(cols: u16, rows: u16) -> (Model, Snapshot) {
         let snapshot = Snapshot::waiting(Settings::new(Pose::new(0.0, 0.0, 0.0)), "nowhere");
         (Model::new(cols, rows, Keymap::default()), snapshot)
+    }
+
+    /// Over a page a key of the map would only leave it.
+    #[test]
+    fn over_a_page_no_key_is_offered_that_only_leaves_it() {
+        let (mut model, snapshot) = some(120, 40);
+        let footer = |model: &Model| {
+            let (symbols, _) = planes(model, &snapshot);
+            symbols.lines().last().map(|line| line.trim().to_owned()).unwrap_or_default()
+        };
+        assert!(footer(&model).contains("q quit"), "{}", footer(&model));
+        for page in [Overlay::Help(0), Overlay::List(0)] {
+            model.overlay = page;
+            assert_eq!(footer(&model), "space stop  ↑ ↓ scroll  esc leave");
+        }
     }
 
     /// A folder may be named in letters that are two columns wide each.

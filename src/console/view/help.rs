@@ -2,11 +2,13 @@
 //! words beside it.
 
 use super::pen::{Pen, Piece};
-use super::words;
+use super::{map, words};
 use crate::console::action::{ACTIONS, ActionInfo, Group};
+use crate::console::canvas::Pattern;
 use crate::console::command::{COMMANDS, Steered};
 use crate::console::model::Model;
 use crate::console::theme::{Role, Theme};
+use crate::mapping::map::LineStatus;
 use crate::session::Snapshot;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -14,22 +16,38 @@ use ratatui::layout::Rect;
 /// A line of a page that lies over the screen.
 pub(super) type Line = Vec<Piece>;
 
-/// What the colours and patterns of the map mean.
-const LEGEND: [(Role, &str, &str); 13] = [
-    (Role::Wall, "━━", "wall"),
-    (Role::Untouched, "╍╍", "not touched by anybody: a gap too narrow, or wall"),
-    (Role::Object, "━━", "object that stands free, with its number"),
-    (Role::Contact, "··", "contact: something was met there"),
-    (Role::Cut, "╍╍", "cut between two parts of the floor"),
-    (Role::LinePlanned, "··", "line of the plan, to be driven"),
-    (Role::LineDriving, "━━", "line being driven"),
-    (Role::LineDriven, "··", "line driven from end to end"),
-    (Role::LineBlocked, "╍╍", "line that something stands on, driven as far as could be"),
-    (Role::Trajectory, "━━", "where the robot went"),
-    (Role::HiddenDisc, "○", "the largest disc that may still hide somewhere"),
-    (Role::Robot, "○", "the robot; a stroke to its edge shows where it heads"),
-    (Role::Start, "·", "where the run began"),
-];
+/// What the colours and patterns of the map mean: as it draws them.
+fn legend() -> Vec<(Piece, &'static str)> {
+    let line = |role: Role, pattern: Pattern| (role, pattern.sample(4));
+    let of_plan = |status: LineStatus| {
+        let (role, pattern) = map::look(status);
+        line(role, pattern)
+    };
+    let sign = |role: Role, sign: &str| (role, sign.to_owned());
+    vec![
+        (line(Role::Wall, Pattern::Solid), "wall"),
+        (
+            line(Role::Untouched, map::UNTOUCHED),
+            "not touched by anybody: a gap too narrow, or wall",
+        ),
+        (line(Role::Object, Pattern::Solid), "object that stands free, with its number"),
+        (sign(Role::Contact, "⠐ ⠁⠄"), "contact: something was met there"),
+        (line(Role::Cut, map::CUT), "cut between two parts of the floor"),
+        (of_plan(LineStatus::Planned), "line of the plan, to be driven"),
+        (of_plan(LineStatus::Driving), "line being driven"),
+        (of_plan(LineStatus::Driven), "line driven from end to end"),
+        (of_plan(LineStatus::Blocked), "line that something stands on, driven as far as could be"),
+        (of_plan(LineStatus::Skipped), "line left out, shown with the rejected ones"),
+        (of_plan(LineStatus::Rejected), "line rejected when the plan was made"),
+        (line(Role::Trajectory, Pattern::Solid), "where the robot went"),
+        (sign(Role::HiddenDisc, "○"), "the largest disc that may still hide somewhere"),
+        (sign(Role::Robot, "○"), "the robot; a stroke to its edge shows where it heads"),
+        (sign(Role::Start, "⠂"), "where the run began"),
+    ]
+}
+
+/// Columns for the keys of an action.
+const KEYS_WIDTH: usize = 11;
 
 /// The words of the screen that are not plain.
 const FIGURES: [(&str, &str); 23] = [
@@ -91,9 +109,9 @@ fn lines(model: &Model, snapshot: &Snapshot) -> Vec<Line> {
         lines.push(vec![(Role::Title, title.to_owned())]);
         let here = |info: &&ActionInfo| info.group == group && steered.offers(info.action);
         for info in ACTIONS.iter().filter(here) {
-            let keys = model.keymap.label(info.action);
+            let keys = model.keymap.labels(info.action, KEYS_WIDTH);
             let head = vec![
-                (Role::Key, format!("  {keys:<12}")),
+                (Role::Key, format!("  {keys:<KEYS_WIDTH$} ")),
                 (Role::Value, format!("{:<14}", info.name)),
             ];
             let help = if replay && !info.replay.is_empty() { info.replay } else { info.help };
@@ -115,7 +133,7 @@ fn lines(model: &Model, snapshot: &Snapshot) -> Vec<Line> {
     }
     lines.push(Vec::new());
     lines.push(vec![(Role::Title, "On the map".to_owned())]);
-    for (role, sign, meaning) in LEGEND {
+    for ((role, sign), meaning) in legend() {
         let head = vec![(role, format!("  {sign:<6}"))];
         entry(&mut lines, head, 8, meaning);
     }
@@ -180,7 +198,32 @@ pub(super) fn draw_page(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Nothing is told by colour alone.
+    #[test]
+    fn without_colour_no_two_things_on_the_map_look_alike() {
+        let mono = Theme::mono();
+        let looks: Vec<_> = legend()
+            .into_iter()
+            .map(|((role, sign), meaning)| (sign, mono.style(role).add_modifier, meaning))
+            .collect();
+        for (k, one) in looks.iter().enumerate() {
+            for other in &looks[k + 1..] {
+                assert!((&one.0, one.1) != (&other.0, other.1), "{one:?} and {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_key_of_an_action_is_told_where_it_fits() {
+        let keymap = Keymap::default();
+        assert_eq!(keymap.labels(Action::PanLeft, KEYS_WIDTH), "← h");
+        assert_eq!(keymap.labels(Action::Quit, KEYS_WIDTH), "q ctrl-c");
+        assert_eq!(keymap.labels(Action::Quit, 4), "q");
+        assert_eq!(keymap.labels(Action::Stop, KEYS_WIDTH), "space");
+    }
     use crate::console::Keymap;
+    use crate::console::action::Action;
     use crate::console::frame::planes;
     use crate::console::key::Key;
     use crate::console::model::Overlay;

@@ -135,16 +135,29 @@ fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     }
 }
 
-fn draw_line(canvas: &mut Canvas, line: &PlanLine, rejected: bool) {
-    let (role, pattern) = match line.status {
+/// A stretch of the outline that nobody touched.
+pub(super) const UNTOUCHED: Pattern = Pattern::Dash { on: 2, of: 4 };
+/// A cut between two parts of the floor.
+pub(super) const CUT: Pattern = Pattern::Dash { on: 4, of: 8 };
+
+/// What a line of the plan looks like.
+pub(super) fn look(status: LineStatus) -> (Role, Pattern) {
+    match status {
         LineStatus::Planned => (Role::LinePlanned, Pattern::Sparse(3)),
-        LineStatus::Driving => (Role::LineDriving, Pattern::Solid),
+        // A wall is bold as well, and has no gaps.
+        LineStatus::Driving => (Role::LineDriving, Pattern::Dash { on: 6, of: 8 }),
         LineStatus::Driven => (Role::LineDriven, Pattern::Sparse(2)),
         LineStatus::Blocked => (Role::LineBlocked, Pattern::Dash { on: 3, of: 5 }),
-        LineStatus::Skipped | LineStatus::Rejected if !rejected => return,
         LineStatus::Skipped => (Role::LineSkipped, Pattern::Sparse(6)),
         LineStatus::Rejected => (Role::LineRejected, Pattern::Sparse(8)),
-    };
+    }
+}
+
+fn draw_line(canvas: &mut Canvas, line: &PlanLine, rejected: bool) {
+    if matches!(line.status, LineStatus::Skipped | LineStatus::Rejected) && !rejected {
+        return;
+    }
+    let (role, pattern) = look(line.status);
     let (from, to) = line.drive.unwrap_or((line.start, line.end));
     canvas.line(from, to, role, pattern);
 }
@@ -160,8 +173,7 @@ fn draw_wall(canvas: &mut Canvas, outline: &Ring, map: &RoomMap) {
     let stretches: Vec<usize> = untouched.iter().filter_map(|gap| gap.piece_of(outline)).collect();
     for (k, piece) in outline.pieces.iter().enumerate() {
         if stretches.contains(&k) {
-            let dashes = Pattern::Dash { on: 2, of: 4 };
-            canvas.line(piece.from(), piece.to(), Role::Untouched, dashes);
+            canvas.line(piece.from(), piece.to(), Role::Untouched, UNTOUCHED);
         } else {
             let points = Ring { pieces: vec![*piece] }.to_points(canvas.sagitta());
             canvas.polyline(points.into_iter().chain([piece.to()]), Role::Wall);
@@ -175,7 +187,7 @@ fn draw_wall(canvas: &mut Canvas, outline: &Ring, map: &RoomMap) {
 fn draw_cuts(canvas: &mut Canvas, part: &Part) {
     for (piece, cut) in part.ring.pieces.iter().zip(&part.cut) {
         if *cut {
-            canvas.line(piece.from(), piece.to(), Role::Cut, Pattern::Dash { on: 2, of: 4 });
+            canvas.line(piece.from(), piece.to(), Role::Cut, CUT);
         }
     }
 }

@@ -5,6 +5,7 @@
 use periplus::console::action::{ACTIONS, Action};
 use periplus::console::key::Key;
 use periplus::console::model::{Model, Overlay};
+use periplus::console::theme::Role;
 use periplus::console::update::{Effect, perform, press};
 use periplus::console::{Keymap, frame};
 use periplus::geometry::{Piece, Point, Ring, perp};
@@ -298,6 +299,23 @@ fn the_help_lists_what_works_here_and_says_of_the_rest_why_not() {
         assert!(!lists(&robot, word), "{word}:\n{robot}");
     }
     assert!(robot.contains("alpha=M") && !robot.contains("export=DIR"), "{robot}");
+}
+
+/// Who asks for the plan wants to see it; who asks for the map, what is handed over.
+#[test]
+fn a_plan_that_was_all_that_was_asked_for_is_seen() {
+    let mut run = run_in(include_str!("../sims/rectangle.toml"));
+    for _ in 0..3 {
+        phase(&mut run);
+    }
+    let planned = |snapshot: &Snapshot| {
+        let (_, styles) = frame::planes(&Model::new(120, 40, Keymap::default()), snapshot);
+        styles.matches(Role::LinePlanned.letter()).count()
+    };
+    let mut snapshot = Snapshot { run: RunState::Complete, ..run.snapshot() };
+    assert!(planned(&snapshot) > 100, "{}", planned(&snapshot));
+    snapshot.progress[3].done = true;
+    assert_eq!(planned(&snapshot), 0);
 }
 
 #[test]

@@ -361,7 +361,7 @@ fn set_speed(
 }
 
 fn toggle(model: &mut Model, snapshot: &Snapshot, action: Action) {
-    let (layers, over) = (&mut model.layers, snapshot.run.is_over());
+    let (layers, over) = (&mut model.layers, snapshot.is_handed_over());
     let layer = match action {
         Action::ToggleContacts => Some(&mut layers.contacts),
         Action::ToggleTrajectory => Some(&mut layers.trajectory),

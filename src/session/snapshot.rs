@@ -157,6 +157,15 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
+    /// Whether the map is as it is handed over, without what it came from: nothing more will be driven, and the
+    /// plan was not all that was asked for.
+    #[must_use]
+    pub fn is_handed_over(&self) -> bool {
+        let [.., plan, objects] = &self.progress;
+        let plan_is_the_end = self.run == RunState::Complete && plan.done && !objects.done;
+        self.run.is_over() && !plan_is_the_end
+    }
+
     /// A run that has not begun: nothing was heard and nothing is known.
     #[must_use]
     pub fn waiting(settings: Settings, source: impl Into<String>) -> Self {

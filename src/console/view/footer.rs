@@ -194,8 +194,8 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
             Action::SlowDown | Action::SpeedUp => !over && model.speed.is_some(),
             Action::List => snapshot.map.shape.is_some(),
             // What the map at the end leaves out.
-            Action::ToggleTrajectory => over,
-            Action::TogglePlan => over && snapshot.map.plan.is_some(),
+            Action::ToggleTrajectory => snapshot.is_handed_over(),
+            Action::TogglePlan => snapshot.is_handed_over() && snapshot.map.plan.is_some(),
             Action::Square => over && snapshot.map.shape.is_some(),
             _ => true,
         }

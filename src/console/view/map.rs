@@ -83,14 +83,14 @@ pub fn draw(
     draw_floor(&mut canvas, snapshot, model.layers);
     draw_robot(&mut canvas, snapshot);
     canvas.blit(theme, area, buf);
-    let with_walls = model.layers.walls.is_shown(snapshot.run.is_over());
+    let with_walls = model.layers.walls.is_shown(snapshot.is_handed_over());
     labels::draw(&canvas, snapshot, with_walls, theme, area, buf);
     draw_scale(&canvas, theme, area, buf);
 }
 
 fn draw_floor(canvas: &mut Canvas, snapshot: &Snapshot, layers: Layers) {
     let map = &snapshot.map;
-    let over = snapshot.run.is_over();
+    let over = snapshot.is_handed_over();
     if layers.trajectory.is_shown(over) {
         // Of points that are nearer to each other than a dot is wide, not all are needed.
         let stride = (canvas.view().scale / SPACING).clamp(1.0, 16.0) as usize;

@@ -9,7 +9,7 @@
 use super::map::{Contact, RoomMap};
 use super::network::Datum;
 use super::survey::{Hung, Survey, Tie};
-use crate::geometry::{Piece, Point, angle, cross, perp};
+use crate::geometry::{Piece, Point, cross, perp};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +18,6 @@ use serde::{Deserialize, Serialize};
 const UNIT_WEIGHT: f64 = 1.12;
 /// Wheels whose size nobody has checked with a tape are off by this share together.
 const UNTAPED: f64 = 1.5e-3;
-/// A tape is read to this, metres.
-const TAPE: f64 = 0.002;
 /// What all contacts of one wall may be off by together, metres: range of the switch that saw it.
 const RANGE: f64 = 0.0015;
 /// A contact scatters at least this much about its wall, metres.
@@ -69,7 +67,7 @@ impl Judge<'_> {
     /// The standard errors of `map`, whose contacts are where the survey believes them.
     pub(super) fn judge(&self, map: &RoomMap) -> Option<Accuracy> {
         let outline = &map.shape.as_ref()?.outline;
-        let scale = map.taped.map_or(UNTAPED, |taped| angle::hypot(taped.sd, TAPE / taped.taped));
+        let scale = map.taped.map_or(UNTAPED, |taped| taped.doubt());
         let at = |p: Point, tie: &Tie| {
             let arm = (p - self.start) * scale;
             self.survey.spread_at(p, tie) * (UNIT_WEIGHT * UNIT_WEIGHT) + arm * arm.transpose()

@@ -58,6 +58,18 @@ pub struct Taped {
     pub sd: f64,
 }
 
+/// A tape is read to this, metres.
+const READ: f64 = 0.002;
+
+impl Taped {
+    /// How well the scale of the map is known now, and with it the travel of a wheel, as a share: one standard
+    /// deviation, the reading of the tape included.
+    #[must_use]
+    pub fn doubt(&self) -> f64 {
+        angle::hypot(self.sd, READ / self.taped)
+    }
+}
+
 /// Why a taped length made nothing of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Untaped {

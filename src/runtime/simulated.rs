@@ -162,10 +162,12 @@ impl<W: Write> SimulatedRun<W> {
         let failures = folder.write_results(&self.record_of(&ending, wall_seconds));
         // An empty record would say that the run never began.
         folder.discard_unbegun();
-        match folder.complaint(recorded, &failures) {
-            None => Ok(format!("written to {}", dir.display())),
-            Some(complaint) => Err(complaint),
+        let complaints = [self.torn_record(), folder.complaint(recorded, &failures)];
+        let complaints: Vec<String> = complaints.into_iter().flatten().collect();
+        if complaints.is_empty() {
+            return Ok(format!("written to {}", dir.display()));
         }
+        Err(complaints.join("; "))
     }
 
     /// Writes the results of a run that has ended into its own `folder`; the record stays open. What fails
@@ -190,13 +192,17 @@ impl<W: Write> SimulatedRun<W> {
         }
     }
 
-    /// Copies the record so far to `copy`; a run that keeps none has nothing to copy.
+    /// What a copy of the record lacks, and where: the disk it is written to is seldom that of the copy.
+    fn torn_record(&self) -> Option<String> {
+        let why = self.journal.as_ref()?.error()?;
+        let path = self.journal_path.as_ref()?.display();
+        Some(format!("{path}: this record ends before its run ({why}), and so does its copy"))
+    }
+
+    /// Copies the record so far to `copy`, as far as it goes; a run that keeps none has nothing to copy.
     fn copy_record(&mut self, mut copy: impl Write) -> io::Result<()> {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         journal.flush();
-        if let Some(error) = journal.error() {
-            return Err(io::Error::new(error.kind(), error.to_string()));
-        }
         let Some(path) = &self.journal_path else { return Ok(()) };
         io::copy(&mut std::fs::File::open(path)?, &mut copy)?;
         copy.flush()
@@ -341,6 +347,21 @@ mod tests {
         }
     }
 
+    /// A file on such a disk.
+    struct Small(std::fs::File, usize);
+
+    impl Write for Small {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let left = self.1.checked_sub(bytes.len());
+            self.1 = left.ok_or_else(|| io::Error::from(io::ErrorKind::StorageFull))?;
+            self.0.write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            self.0.flush()
+        }
+    }
+
     #[test]
     fn a_run_that_cannot_be_recorded_any_longer_is_stopped_and_again_when_it_is_set_going() {
         let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
@@ -360,6 +381,30 @@ mod tests {
             assert_eq!(ending.outcome, Outcome::Failed);
             assert!(ending.reason.contains("no storage space"), "{}", ending.reason);
         }
+    }
+
+    /// A full disk is no reason to hand over less on another one, nor to blame that.
+    #[test]
+    fn what_a_full_disk_left_of_a_record_is_exported_and_said_to_be_torn() {
+        let (world, header) = header("rectangle", include_str!("../../sims/rectangle.toml"));
+        let top = place("export-torn");
+        let (folder, file) = OutputFolder::create(&top.join("full")).expect("a folder");
+        let journal = Journal::begin(Small(file, 200_000), &header).expect("room for the header");
+        let run = SimulatedRun::new(&world, header, NoiseProfile::None, Some(journal));
+        let mut run = run.recorded_at(folder.journal());
+        run.intent(Intent::Run);
+        while run.is_under_way() {
+            run.advance();
+        }
+        let there = top.join("spare");
+        let told = run.export(&there, 1.0).expect_err("the record is torn");
+        let full = folder.journal().display().to_string();
+        assert!(told.starts_with(&format!("{full}: this record ends before its run")), "{told}");
+        assert!(!told.contains("spare"), "{told}");
+        let whole = crate::journal::read_whole_part(&there).expect("what there is of it");
+        assert!(whole.records.len() > 500, "{}", whole.records.len());
+        assert!(there.join("map.geojson").exists());
+        let _ = std::fs::remove_dir_all(&top);
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod common;
 #[path = "common/reported.rs"]
 mod reported;
 
-use periplus::geometry::{Point, Ring, ring};
+use periplus::geometry::{Point, Ring, angle, ring};
 use periplus::mapping::event::{Event, EventKind};
 use periplus::mapping::map::Phase;
 use periplus::mapping::settings::Settings;
@@ -302,18 +302,57 @@ fn a_thin_post_that_the_lap_went_round_is_on_the_map() {
     assert_eq!(wrong(POST_ON_A_NECK, &["post1"]), Vec::<String>::new());
 }
 
+/// A room of 3.4 by 2.6 m with a post of `radius` metres that stands `gap` metres off its left wall.
+fn post_by_a_wall(heading: u32, radius: f64, gap: f64) -> String {
+    format!(
+        "start = {{ x = 2.5, y = 1.3, heading = {heading} }}\n[boundary]\nvertices = [[0, 0], \
+         [3.4, 0], [3.4, 2.6], [0, 2.6]]\n[[objects]]\nname = \"post\"\ncircle = {{ center = \
+         [{:.3}, 1.2], radius = {radius} }}\n",
+        gap + radius
+    )
+}
+
+/// Behind one that is nearer to the wall no robot stands to see its back. Whether it is an object or, where the body
+/// would not fit between, a part of the wall: it is on the map.
+#[test]
+fn a_post_whose_back_nobody_could_see_is_on_the_map() {
+    let starts = [
+        (111, 0.03, 0.18),
+        (148, 0.03, 0.18),
+        (74, 0.03, 0.2),
+        (111, 0.03, 0.2),
+        (148, 0.03, 0.2),
+        (148, 0.03, 0.22),
+        (148, 0.047, 0.18),
+        (74, 0.047, 0.2),
+    ];
+    for (heading, radius, gap) in starts {
+        let room = World::from_toml(&post_by_a_wall(heading, radius, gap), "room", 0.1);
+        let room = room.expect("a world");
+        let settings = Settings::new(room.start);
+        let map = common::mapped(&room, settings, NoiseProfile::None, Phase::Shape);
+        let outline = map.shape.expect("a shape").outline;
+        let stands = |p: Point| {
+            !outline.contains(p) || map.objects.iter().any(|object| object.outline.contains(p))
+        };
+        let within = (0..12_u32).map(|k| {
+            let away = angle::unit(f64::from(k) * angle::TAU / 12.0);
+            Point::new(gap + radius, 1.2) + away * (0.7 * radius)
+        });
+        let share = within.filter(|p| stands(*p)).count();
+        let off = (outline.area() - 3.4 * 2.6).abs();
+        assert!(share >= 6, "from {heading}: {radius} m, {gap} m off: {share} of 12");
+        assert!(off < 0.04, "from {heading}: {radius} m, {gap} m off: {off} m2");
+    }
+}
+
 /// Where contacts cross each other behind such a post, the outline may keep but one of them, or none.
 #[test]
 fn a_post_by_the_wall_is_on_the_map_whole_and_the_wall_behind_it_is_straight() {
     let thin = [(148, 0.03, 0.24), (185, 0.03, 0.22), (185, 0.03, 0.26)];
     let thick = [(0, 0.047, 0.24), (111, 0.047, 0.26), (185, 0.047, 0.26), (333, 0.047, 0.26)];
     for (heading, radius, gap) in thin.into_iter().chain(thick) {
-        let world = format!(
-            "start = {{ x = 2.5, y = 1.3, heading = {heading} }}\n[boundary]\nvertices = [[0, 0], \
-             [3.4, 0], [3.4, 2.6], [0, 2.6]]\n[[objects]]\nname = \"post\"\ncircle = {{ center = \
-             [{:.3}, 1.2], radius = {radius} }}\n",
-            gap + radius
-        );
+        let world = post_by_a_wall(heading, radius, gap);
         let which = format!("from {heading}: {radius} m, {gap} m off");
         assert_eq!(wrong(&world, &["post"]), Vec::<String>::new(), "{which}");
         let room = World::from_toml(&world, "room", 0.1).expect("a world");

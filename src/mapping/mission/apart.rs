@@ -7,7 +7,7 @@ use super::{Mission, Output};
 use crate::geometry::{Piece, Ring, Segment};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
-use crate::mapping::shape::{self, Enclosed, Loops, Thing};
+use crate::mapping::shape::{self, ALL_AROUND, BUT_FOR_ITS_BACK, Enclosed, Loops, Needle, Thing};
 use crate::mapping::unreached::{Beyond, Unreached};
 use crate::mapping::wall::{Stroke, is_felt_on_both_hands, length_within};
 use crate::robot::Chassis;
@@ -20,6 +20,8 @@ const TO_TIP: f64 = 0.65;
 const OF_LOST: f64 = 0.1;
 /// That is no more than so many times as large with it.
 const MOST_GROWN: f64 = 1.5;
+/// No wall has more things beside it that it was fitted without.
+const MOST_JOINED: u32 = 20;
 
 impl Mission {
     /// Makes objects of what the lap went round within the room; false when there is nothing.
@@ -76,7 +78,7 @@ impl Mission {
                 let off = |ring: &Ring| ring.distance(contact.point);
                 islands.iter().all(|ring| off(ring) >= off(&rest))
             });
-        let (walls, lost, rest) = self.lost_by(&walls, rest);
+        let (walls, lost, rest) = self.lost_by(walls, rest);
         self.map.contacts = walls;
         let parts = shape::shared_out(&own, &islands);
         let alone = !islands.is_empty() || !lost.is_empty();
@@ -104,26 +106,65 @@ impl Mission {
 
     /// What `outline` has lost of the `contacts` that were made beside it: those that it keeps, the things, and what
     /// remains of it.
-    fn lost_by(&self, contacts: &[Contact], outline: Ring) -> (Vec<Contact>, Vec<Thing>, Ring) {
-        let chassis = &self.settings.chassis;
-        let (mut kept, mut things) = shape::lost(contacts, &outline);
-        let mut rest = outline;
+    fn lost_by(&self, contacts: Vec<Contact>, outline: Ring) -> (Vec<Contact>, Vec<Thing>, Ring) {
+        let (mut contacts, mut rest) = (contacts, outline);
+        let mut given_up = Vec::new();
         // By a needle of the outline some of a thing, or all of it, is not lost to it yet.
-        let without_one = |rest: &Ring| {
-            let needles = shape::needles(rest, contacts, &self.way, chassis);
-            needles.into_iter().find_map(|(tip, bare)| {
-                let (kept, things) = shape::lost(contacts, &bare);
-                let is_of = |thing: &Thing| {
-                    thing.outline.distance(tip) < OF_LOST
-                        && shape::is_apart(&bare, &thing.outline, chassis)
-                };
-                things.iter().any(is_of).then_some((kept, things, bare))
+        while let Some((needle, its)) = self
+            .needles(&rest, &contacts)
+            .into_iter()
+            .find(|(_, its)| its.iter().any(|thing| thing.is_apart))
+        {
+            let its = its.into_iter().filter(|thing| thing.is_apart).map(|lost| lost.thing);
+            for thing in its {
+                contacts.retain(|contact| !thing.contacts.contains(contact));
+                given_up.push(thing);
+            }
+            rest = needle.bare;
+        }
+        let (kept, mut things) = shape::lost(&contacts, &rest, ALL_AROUND);
+        things.extend(given_up);
+        (kept, things, rest)
+    }
+
+    /// The outline with what it has lost but for needles, and what is one with the wall: between the two there is
+    /// no floor for the body.
+    pub(super) fn joined(&self, outline: Ring) -> Ring {
+        let mut outline = outline;
+        let whole = |outline: &Ring| {
+            let needles = self.needles(outline, &self.map.contacts);
+            needles.into_iter().find_map(|(needle, its)| {
+                let joined = its.iter().filter(|thing| !thing.is_apart);
+                let mut whole = joined.filter_map(|thing| needle.about(&thing.thing.outline));
+                whole.find(|whole| {
+                    !is_driven_over(whole, outline, &self.way, &self.settings.chassis)
+                })
             })
         };
-        while let Some(found) = without_one(&rest) {
-            (kept, things, rest) = found;
+        // One for each thing at most.
+        for _ in 0..MOST_JOINED {
+            let Some(whole) = whole(&outline) else { break };
+            outline = whole;
         }
-        (kept, things, rest)
+        outline
+    }
+
+    /// The needles of `outline`, each with the things that it ends at, which the outline without it has lost of the
+    /// `contacts`. By the wall nobody sees the back of a thing.
+    fn needles(&self, outline: &Ring, contacts: &[Contact]) -> Vec<(Needle, Vec<Lost>)> {
+        let chassis = &self.settings.chassis;
+        let with_its = |needle: Needle| {
+            let (_, mut things) = shape::lost(contacts, &needle.bare, BUT_FOR_ITS_BACK);
+            things.retain(|thing| thing.outline.distance(needle.tip) < OF_LOST);
+            let lost = |thing: Thing| {
+                let is_apart = shape::is_apart(&needle.bare, &thing.outline, chassis);
+                Lost { thing, is_apart }
+            };
+            let its = things.into_iter().map(lost).collect();
+            (needle, its)
+        };
+        let needles = shape::needles(outline, contacts, &self.way, chassis);
+        needles.into_iter().map(with_its).collect()
     }
 
     /// Ends the map at straits; what remains of `outline`. What was seen behind them is kept by itself.
@@ -153,6 +194,13 @@ impl Mission {
         self.map.objects.push(thing.numbered(id));
         self.tell(EventKind::ObjectApart { id }, out);
     }
+}
+
+/// A thing that an outline has lost.
+struct Lost {
+    thing: Thing,
+    /// Whether the body fits between the two.
+    is_apart: bool,
 }
 
 /// Whether `ring` has a side across floor that the robot drove on by `way`, and `rest` has none there: such a side

@@ -112,7 +112,7 @@ impl Mission {
 
     fn outlined(&self, lap: &AlongWall) -> Result<Ring, Failure> {
         let loops = if self.map.shape.is_some() { Loops::All } else { Loops::Touched };
-        lap.outline(self.give(), loops)
+        lap.outline(self.give(), loops).map(|outline| self.joined(outline))
     }
 
     fn along_wall(&self) -> AlongWall {
@@ -121,7 +121,7 @@ impl Mission {
 
     /// What is fitted to the contacts of the lap, freed of such `loops`; none where they can only be joined.
     pub(super) fn fit(&self, loops: Loops) -> Option<Ring> {
-        self.along_wall().fit(self.give(), loops)
+        self.along_wall().fit(self.give(), loops).map(|outline| self.joined(outline))
     }
 
     /// How far the lap may be bent, metres: places spread over it tell.
@@ -195,7 +195,7 @@ impl Mission {
             return self.fail(Failure::OutlineBroken, out);
         }
         // What was seen across a passage stands there, where it was gone round.
-        for thing in shape::lost(&across, &outline).1 {
+        for thing in shape::lost(&across, &outline, shape::ALL_AROUND).1 {
             self.stands_apart(thing, out);
         }
         let outline = self.end_at_straits(outline, out);

@@ -26,8 +26,11 @@ const OF_WALL: f64 = 0.02;
 const OFF_WALL: f64 = 0.08;
 /// ... nearer to each other than this, metres, they are of one thing; ...
 const TOGETHER: f64 = 0.1;
-/// ... which was gone round if no two neighbouring bearings it was seen at are as far apart, radians.
-const ALL_AROUND: f64 = 2.0;
+/// ... which was gone round if no two neighbouring bearings it was seen at are as far apart, radians; ...
+pub const ALL_AROUND: f64 = 2.0;
+/// ... and but for its back, that is turned to a wall behind which there is no room for the body, if they are no
+/// farther apart than this.
+pub const BUT_FOR_ITS_BACK: f64 = 2.6;
 
 /// What a lap went round.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -77,14 +80,15 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 }
 
 /// Those of the wall's `contacts` that its `outline` keeps, and things that it has lost: made well within
-/// the room, from all around. A fit that crosses itself about a thin post may leave it out altogether; what
+/// the room, where no two neighbouring bearings that one was seen at are as far apart as `widest`, radians. A fit that crosses itself about a thin post may leave it out altogether; what
 /// was gone round stands there all the same. Where no outline runs along what was seen of it, as where the lap
 /// went round it twice, it is left for the tour to find.
 #[must_use]
-pub fn lost(contacts: &[Contact], outline: &Ring) -> (Vec<Contact>, Vec<Thing>) {
+pub fn lost(contacts: &[Contact], outline: &Ring, widest: f64) -> (Vec<Contact>, Vec<Thing>) {
     let off = |p: Point| outline.contains(p) && outline.distance(p) > OFF_WALL;
     let mut things = Vec::new();
-    let mut groups = gone_round(contacts, off, |one, other| are_near(contacts, one, other));
+    let together = |one, other| are_near(contacts, one, other);
+    let mut groups = gone_round(contacts, off, together, widest);
     groups.retain(|group| {
         let thing = Thing::of(group.iter().map(|&k| contacts[k]).collect());
         let is_drawn = thing.is_drawn();
@@ -112,7 +116,7 @@ pub fn unmapped(
         let apart = one.abs_diff(other);
         apart == 1 || apart + 1 == surfaces.len() || are_near(&surfaces, one, other)
     };
-    let groups = gone_round(&surfaces, |p| !beside(p), together);
+    let groups = gone_round(&surfaces, |p| !beside(p), together, ALL_AROUND);
     let of = |group: Vec<usize>| group.into_iter().map(|k| surfaces[k]).collect::<Vec<Contact>>();
     let found = groups.into_iter().flat_map(|group| things(&of(group), strokes, chassis));
     found.filter(Thing::is_drawn).collect()
@@ -129,6 +133,7 @@ fn gone_round(
     contacts: &[Contact],
     off: impl Fn(Point) -> bool,
     together: impl Fn(usize, usize) -> bool,
+    widest: f64,
 ) -> Vec<Vec<usize>> {
     let is_off = |contact: &Contact| contact.kind != ContactKind::Edge && off(contact.point);
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -138,19 +143,23 @@ fn gone_round(
         groups = others;
         groups.push(joined.into_iter().flatten().chain([k]).collect());
     }
-    groups.retain(|group| is_gone_round(group.iter().map(|&k| &contacts[k])));
+    groups.retain(|group| is_gone_round(group.iter().map(|&k| &contacts[k]), widest));
     for group in &mut groups {
         group.sort_unstable();
     }
     groups
 }
 
-/// Whether `contacts` enough to draw something were made of it from all around.
-pub(super) fn is_gone_round<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone) -> bool {
+/// Whether `contacts` enough to draw something were made of it, at bearings of which no two neighbouring ones are as
+/// far apart as `widest`, radians.
+pub(super) fn is_gone_round<'a>(
+    contacts: impl Iterator<Item = &'a Contact> + Clone,
+    widest: f64,
+) -> bool {
     let count = contacts.clone().count();
     let middle = contacts.clone().map(|c| c.point.coords).sum::<Vector>() / count.max(1) as f64;
     let bearings = contacts.map(|c| angle::of(c.from.coords - middle)).collect();
-    count >= FEWEST && angle::widest_gap(bearings) < ALL_AROUND
+    count >= FEWEST && angle::widest_gap(bearings) < widest
 }
 
 #[cfg(test)]
@@ -186,12 +195,16 @@ mod tests {
         };
         let seen =
             |turns: f64| along(&walls, 1.0).into_iter().chain(post(turns)).collect::<Vec<_>>();
-        let (kept, things) = lost(&seen(0.9), &outline);
+        let (kept, things) = lost(&seen(0.9), &outline, ALL_AROUND);
         assert_eq!(things.iter().map(|thing| thing.contacts.len()).collect::<Vec<_>>(), [16]);
         assert_eq!(kept.len(), along(&walls, 1.0).len());
         // Seen from one side only it may be anything.
-        let (kept, things) = lost(&seen(0.4), &outline);
+        let (kept, things) = lost(&seen(0.4), &outline, ALL_AROUND);
         assert!(things.is_empty() && kept.len() == seen(0.4).len());
+        assert!(lost(&seen(0.4), &outline, BUT_FOR_ITS_BACK).1.is_empty());
+        // So is one whose back was not seen, where nobody could stand to see it.
+        assert!(lost(&seen(0.62), &outline, ALL_AROUND).1.is_empty());
+        assert_eq!(lost(&seen(0.62), &outline, BUT_FOR_ITS_BACK).1.len(), 1);
     }
 
     #[test]

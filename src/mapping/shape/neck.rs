@@ -4,7 +4,7 @@
 //! like that are two; that the gap is too narrow to pass does not make it solid. Where the body would
 //! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]); and so they are where
 //! worn switches laid two faces through each other and what nobody has looked at may be a board
-//! ([`super::divide`]). Of a thing that the outline has lost a tip, or a needle, may be left on it. Knows outlines, contacts, and the way where they need it; not what becomes of the map.
+//! ([`super::divide`]). Of a thing that the outline has lost a tip may be left on it, or a needle ([`super::needle`]). Knows outlines, contacts, and the way where they need it; not what becomes of the map.
 
 use super::chord::{Floor, SHORTEST, SUPPORT, is_chord, is_held, seen_to_its_ends};
 use super::gap::{Gap, TOUCHING};
@@ -18,12 +18,12 @@ use std::ops::Range;
 
 /// A chord joins what was seen on both sides, and need not run straight across: it is up to as many
 /// times as long as the gap is wide.
-const SLANT: f64 = 1.4;
+pub(super) const SLANT: f64 = 1.4;
 /// Corners next to the chords that may be left out to make an outline simple.
 const TRIMMED: usize = 3;
 /// The two chords of a neck begin, and end, no farther apart than this, metres: about as far as the
 /// switches see into a gap from both of its ends.
-const NECK: f64 = 0.34;
+pub(super) const NECK: f64 = 0.34;
 /// Nothing smaller than this is cut off, square metres.
 const SMALLEST: f64 = 8e-4;
 /// What is thinner than this is no thing, metres.
@@ -94,38 +94,6 @@ pub fn tip(
     })
 }
 
-/// The needles of `outline`: corners that it runs to and comes back from through a gap in which nobody has touched
-/// anything; where each ends, and the outline without it. Where contacts cross each other behind a post by the wall,
-/// one of that may be all that the outline keeps of it.
-#[must_use]
-pub fn needles(
-    outline: &Ring,
-    contacts: &[Contact],
-    strokes: &[Stroke],
-    chassis: &Chassis,
-) -> Vec<(Point, Ring)> {
-    let count = outline.pieces.len();
-    if count < 4 {
-        return Vec::new();
-    }
-    let seen = Touched::on(contacts, strokes, chassis);
-    let lengths = TOUCHING..SLANT * chassis.passable_gap();
-    let crosses = |piece: &Piece| seen.is_crossed_by(piece, Floor::Inside, &lengths);
-    let blunted = |k: usize| {
-        let next = (k + 1) % count;
-        let (out, back) = (outline.pieces[k], outline.pieces[next]);
-        if (out.from() - back.to()).norm() > NECK || !crosses(&out) || !crosses(&back) {
-            return None;
-        }
-        let mut pieces = outline.pieces.clone();
-        pieces[k] = Piece::with_bulge(out.from(), back.to(), 0.0);
-        pieces.remove(next);
-        let blunt = Ring { pieces };
-        crossings(&blunt.to_points(SAGITTA)).is_empty().then_some((out.to(), blunt))
-    };
-    (0..count).filter_map(blunted).collect()
-}
-
 /// Whether `thing` stands apart from the `outline` of the room that is about it: the body would fit between, or
 /// sweeps what is between.
 #[must_use]
@@ -193,7 +161,7 @@ pub fn shared_out(contacts: &[Contact], rings: &[Ring]) -> Vec<Vec<Contact>> {
 }
 
 /// What is known to stand.
-struct Touched<'a> {
+pub(super) struct Touched<'a> {
     contacts: &'a [Contact],
     /// Where surfaces were touched, and from where.
     places: Vec<(Point, Point)>,
@@ -203,14 +171,14 @@ struct Touched<'a> {
 
 impl<'a> Touched<'a> {
     /// What the `contacts` that were made on the way of `strokes` say.
-    fn on(contacts: &'a [Contact], strokes: &[Stroke], chassis: &Chassis) -> Self {
+    pub(super) fn on(contacts: &'a [Contact], strokes: &[Stroke], chassis: &Chassis) -> Self {
         let surfaces = contacts.iter().filter(|c| c.kind != ContactKind::Edge);
         let places = surfaces.map(|c| (c.point, c.from)).collect();
         Self { contacts, places, beams: closed_beams(strokes, chassis, PACE) }
     }
 
     /// Whether `piece` of an outline crosses a gap as long as one of `lengths`, metres, in which nothing stands.
-    fn is_crossed_by(&self, piece: &Piece, floor: Floor, lengths: &Range<f64>) -> bool {
+    pub(super) fn is_crossed_by(&self, piece: &Piece, floor: Floor, lengths: &Range<f64>) -> bool {
         is_chord(piece, floor, &self.places, lengths) && !is_held(piece, floor, &self.beams)
     }
 }

@@ -20,6 +20,10 @@ const LOOSER: f64 = 1.2;
 /// so many times this, metres; the ring has folded up when the hull is so many times as large.
 const AS_CLOSE: f64 = 1.6;
 const CLOSE: f64 = 0.001;
+/// Of a thing no larger than this across, metres, both of its sides may be met at once, and beside a wall its edges are
+/// met as often as its face: contacts lie within it by this much more.
+const SMALL: f64 = 0.12;
+const CLOSE_IF_SMALL: f64 = 0.0025;
 const FOLDED: f64 = 1.2;
 /// The chord that closes what was not gone round is its other side when it is no longer than this share of
 /// the way along what was seen, ...
@@ -186,7 +190,9 @@ fn spread(ring: &Ring, contacts: &[Contact]) -> f64 {
 /// was not seen: its convex hull lies as close to them, and is larger.
 fn leaves_out(ring: &Ring, contacts: &[Contact]) -> bool {
     let hull = hull(contacts);
-    let as_close = spread(&hull, contacts) < AS_CLOSE * spread(ring, contacts).max(CLOSE);
+    let is_small = hull.bounds().is_some_and(|(low, high)| (high - low).norm() < SMALL);
+    let close = if is_small { CLOSE_IF_SMALL } else { CLOSE };
+    let as_close = spread(&hull, contacts) < AS_CLOSE * spread(ring, contacts).max(close);
     as_close && hull.area() > FOLDED * ring.area()
 }
 

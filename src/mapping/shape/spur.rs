@@ -2,7 +2,7 @@
 //! wall it comes between two contacts of this side, and the outline would run across the passage to it and back,
 //! over floor that the robot drove on. Takes contacts in time order; knows nothing of lines and arcs.
 
-use super::island::is_gone_round;
+use super::island::{ALL_AROUND, is_gone_round};
 use super::order;
 use crate::geometry::segment::Segment;
 use crate::mapping::map::{Contact, ContactKind};
@@ -32,7 +32,7 @@ pub fn without_spurs(contacts: &[Contact], reach: f64) -> Option<(Vec<Contact>, 
     });
     let most = (LARGEST * count as f64) as usize;
     let is_spur = |run: &Vec<Contact>| {
-        run.len() <= most || (2 * run.len() < count && is_gone_round(run.iter()))
+        run.len() <= most || (2 * run.len() < count && is_gone_round(run.iter(), ALL_AROUND))
     };
     let spurs: Vec<Contact> = runs.filter(is_spur).flatten().collect();
     let (apart, kept): (Vec<Contact>, Vec<Contact>) =

@@ -30,7 +30,7 @@ const TOGETHER: f64 = 0.1;
 pub const ALL_AROUND: f64 = 2.0;
 /// ... and but for its back, that is turned to a wall behind which there is no room for the body, if they are no
 /// farther apart than this.
-pub const BUT_FOR_ITS_BACK: f64 = 2.6;
+pub const BUT_FOR_ITS_BACK: f64 = 2.9;
 
 /// What a lap went round.
 #[derive(Debug, Clone, PartialEq, Default)]

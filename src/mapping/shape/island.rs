@@ -80,9 +80,10 @@ pub fn enclosed(contacts: &[Contact]) -> Enclosed {
 }
 
 /// Those of the wall's `contacts` that its `outline` keeps, and things that it has lost: made well within
-/// the room, where no two neighbouring bearings that one was seen at are as far apart as `widest`, radians. A fit that crosses itself about a thin post may leave it out altogether; what
-/// was gone round stands there all the same. Where no outline runs along what was seen of it, as where the lap
-/// went round it twice, it is left for the tour to find.
+/// the room, where no two neighbouring bearings that one was seen at are as far apart as `widest`, radians. A fit
+/// that crosses itself about a thin post may leave it out altogether; what was gone round stands there all the same.
+/// Where no outline runs along what was seen of it, as where the lap went round it twice, it is left for the tour to
+/// find.
 #[must_use]
 pub fn lost(contacts: &[Contact], outline: &Ring, widest: f64) -> (Vec<Contact>, Vec<Thing>) {
     let off = |p: Point| outline.contains(p) && outline.distance(p) > OFF_WALL;

@@ -4,7 +4,8 @@
 //! like that are two; that the gap is too narrow to pass does not make it solid. Where the body would
 //! not fit between, nor sweeps what lies there, they are one obstacle ([`super::gap`]); and so they are where
 //! worn switches laid two faces through each other and what nobody has looked at may be a board
-//! ([`super::divide`]). Of a thing that the outline has lost a tip may be left on it, or a needle ([`super::needle`]). Knows outlines, contacts, and the way where they need it; not what becomes of the map.
+//! ([`super::divide`]). Of a thing that the outline has lost a tip may be left on it, or a needle ([`super::needle`]).
+//! Knows outlines, contacts, and the way where they need it; not what becomes of the map.
 
 use super::chord::{Floor, SHORTEST, SUPPORT, is_chord, is_held, seen_to_its_ends};
 use super::gap::{Gap, TOUCHING};

@@ -36,6 +36,13 @@ pub fn cross(a: Vector, b: Vector) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
+/// Where two straight lines meet: `from` plus so many times `along`, on the line through `other` along `onward`. Without
+/// meaning where the two run side by side; how near to that is too near, who asks must say.
+#[must_use]
+pub fn meeting(from: Point, along: Vector, other: Point, onward: Vector) -> f64 {
+    cross(other - from, onward) / cross(along, onward)
+}
+
 /// `v` turned counter-clockwise by `by` radians.
 #[must_use]
 pub fn rotate(v: Vector, by: f64) -> Vector {
@@ -47,4 +54,21 @@ pub fn rotate(v: Vector, by: f64) -> Vector {
 #[must_use]
 pub fn perp(v: Vector) -> Vector {
     Vector::new(-v.y, v.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_lines_meet_so_many_times_along_the_first_of_them() {
+        let (from, along) = (Point::new(1.0, 1.0), Vector::new(2.0, 0.0));
+        let (other, onward) = (Point::new(4.0, 3.0), Vector::new(0.0, -0.5));
+        assert!((meeting(from, along, other, onward) - 1.5).abs() < 1e-12);
+        assert!((meeting(from, -along, other, onward) + 1.5).abs() < 1e-12);
+        assert!((meeting(other, onward, from, along) - 4.0).abs() < 1e-12);
+        // However long the direction of the other is, and which way it runs.
+        assert!((meeting(from, along, other, onward * -3.0) - 1.5).abs() < 1e-12);
+        assert!(!meeting(from, along, other, along).is_finite());
+    }
 }

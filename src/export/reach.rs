@@ -9,7 +9,7 @@
 //! the first on the other, and no body would feel that: it is moved in first.
 
 use crate::geometry::simple::crossings;
-use crate::geometry::{Piece, Point, Ring, angle, cross, perp};
+use crate::geometry::{Piece, Point, Ring, angle, cross, meeting, perp};
 use cavalier_contours::polyline::{PlineSource, PlineSourceMut, PlineVertex, Polyline};
 
 /// Outlines that differ by less than this share of their area are the same.
@@ -141,14 +141,14 @@ fn inner_corner(before: &Piece, across: &Piece, after: &Piece) -> Option<Point> 
         return None;
     }
     let (along, back) = (before.tangent(1.0), -after.tangent(0.0));
-    let over = across.to() - across.from();
-    let sine = cross(along, back);
+    let (from, to) = (across.from(), across.to());
+    let over = to - from;
     // To the right of a counter-clockwise outline lies the floor: it turns there twice.
-    if cross(along, over) >= 0.0 || cross(over, -back) >= 0.0 || sine < LEAST_SINE {
+    if cross(along, over) >= 0.0 || cross(over, -back) >= 0.0 || cross(along, back) < LEAST_SINE {
         return None;
     }
-    let (on, off) = (cross(over, back) / sine, cross(over, along) / sine);
-    (on > 0.0 && off > 0.0).then(|| across.from() + along * on)
+    let (on, off) = (meeting(from, along, to, back), meeting(to, back, from, along));
+    (on > 0.0 && off > 0.0).then(|| from + along * on)
 }
 
 /// `outline` moved out by `radius` and in again; none where an offset went wrong, which shrinks what was

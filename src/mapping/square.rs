@@ -5,7 +5,7 @@
 //! Works on a finished outline and on nothing else: the robot drives, and corrects its pose, by what it
 //! saw.
 
-use crate::geometry::{Piece, Point, Ring, Vector, angle, cross};
+use crate::geometry::{Piece, Point, Ring, Vector, angle, cross, meeting};
 use serde::{Deserialize, Serialize};
 
 /// Walls shorter than this say nothing of a direction, metres.
@@ -147,9 +147,8 @@ fn corners(outline: &Ring, turns: &[Option<f64>]) -> Vec<Point> {
             let corner = outline.pieces[k].from();
             match (lines[(k + count - 1) % count], lines[k]) {
                 (Some((a, square_a)), Some((b, square_b))) if square_a || square_b => {
-                    let sine = cross(a.along, b.along);
-                    if sine.abs() > STRAIGHT {
-                        return a.at + a.along * (cross(b.at - a.at, b.along) / sine);
+                    if cross(a.along, b.along).abs() > STRAIGHT {
+                        return a.at + a.along * meeting(a.at, a.along, b.at, b.along);
                     }
                     match (square_a, square_b) {
                         (true, false) => a.foot(corner),

@@ -2,7 +2,7 @@
 //! radius around the last places where its centre can be.
 
 use super::Floor;
-use crate::geometry::{Point, Segment, Vector};
+use crate::geometry::{Point, Segment, Vector, cross, meeting};
 
 /// Places on the rim of the centre's floor are accepted this much short of the radius, metres.
 const ROUNDING: f64 = 1e-7;
@@ -155,12 +155,10 @@ impl Curve {
 }
 
 fn lines_meet(a: &Segment, b: &Segment) -> Option<Point> {
-    let turn = crate::geometry::cross(a.along, b.along);
-    if turn.abs() < 1e-9 * a.length() * b.length() {
+    if cross(a.along, b.along).abs() < 1e-9 * a.length() * b.length() {
         return None;
     }
-    let t = crate::geometry::cross(b.from - a.from, b.along) / turn;
-    Some(a.from + a.along * t)
+    Some(a.from + a.along * meeting(a.from, a.along, b.from, b.along))
 }
 
 fn line_meets_circle(line: &Segment, center: Point, radius: f64) -> [Option<Point>; 2] {

@@ -7,7 +7,7 @@ use super::corner::{Joint, Judge};
 use super::gap::TOUCHING;
 use super::plain::plain;
 use super::segment::{Model, Run};
-use super::untangle::{meeting, untangled};
+use super::untangle::{crossing, untangled};
 use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, angle, cross};
 
@@ -164,7 +164,7 @@ fn without_small_loops(mut vertices: Vec<Vertex>) -> Vec<Vertex> {
         };
         let small = crossings(&points).into_iter().find_map(|(i, k)| {
             let straight = |n: usize| vertices[owners[n]].bulge == 0.0;
-            let at = meeting(points[i], end(i), points[k], end(k))?;
+            let at = crossing(points[i], end(i), points[k], end(k))?;
             let (from, to) = if loop_length(i, k, at) < SMALL {
                 (i, k)
             } else if loop_length(k, i, at) < SMALL {

@@ -2,7 +2,7 @@
 //! only join what was seen on both sides. Knows an outline, its contacts and where switches stayed closed, not
 //! what stands behind the gap.
 
-use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::geometry::{Piece, Point, Ring, angle, cross, meeting};
 use crate::mapping::follow;
 use crate::mapping::map::Contact;
 use crate::robot::Chassis;
@@ -206,16 +206,16 @@ fn mouths_of(
 /// robot, whose centre comes as near to a corner as its clearance of both walls lets it, would have seen more of it.
 fn ends_early(before: &Piece, chord: &Piece, after: &Piece, chassis: &Chassis) -> bool {
     let (along, onward) = (before.tangent(1.0), after.tangent(0.0));
-    let (across, sine) = (chord.to() - chord.from(), cross(along, onward));
+    let (from, to) = (chord.from(), chord.to());
     // A bevel hardly wider than the body may lie between two looks.
-    if sine < WALL_ENDS || across.norm() < 2.0 * chassis.radius + BEVEL {
+    if cross(along, onward) < WALL_ENDS || (to - from).norm() < 2.0 * chassis.radius + BEVEL {
         return false;
     }
     let clear = follow::clearance(chassis);
     let seen = (chassis.reach() * chassis.reach() - clear * clear).sqrt();
     let turn = angle::wrap(angle::of(onward) - angle::of(along));
     let unseen = (clear * angle::tan(turn / 2.0) - seen).max(0.0);
-    let (before, after) = (cross(across, onward) / sine, cross(along, across) / sine);
+    let (before, after) = (meeting(from, along, to, onward), meeting(to, -onward, from, along));
     before.min(after) > 0.0 && before.max(after) > unseen + SHORT_OF
 }
 

@@ -6,7 +6,7 @@ use super::Sample;
 use super::segment::{Model, Run};
 use crate::geometry::segment::Segment;
 use crate::geometry::simple::segments_meet;
-use crate::geometry::{Point, Vector, angle, cross};
+use crate::geometry::{Point, Vector, angle, cross, meeting};
 
 /// Farthest an outer corner may lie beyond the contacts next to it, metres.
 const OUTER_REACH: f64 = 0.25;
@@ -214,7 +214,7 @@ impl Judge<'_> {
         if sine < FLATTEST {
             return None;
         }
-        let corner = a + wall * (cross(c - a, other) / cross(wall, other));
+        let corner = a + wall * meeting(a, wall, c, other);
         let beyond = (corner - b).dot(&wall) / length;
         let before = (c - corner).dot(&other) / other.norm();
         if !(0.0..self.reach).contains(&beyond) || !(0.0..self.reach).contains(&before) {
@@ -284,12 +284,10 @@ fn intersections(a: &Model, b: &Model, slack: f64) -> [Option<Point>; 2] {
     match (*a, *b) {
         (Model::Lone(_), _) | (_, Model::Lone(_)) => [None, None],
         (Model::Line { center, direction }, Model::Line { center: other, direction: along }) => {
-            let sine = cross(direction, along);
-            if sine.abs() < 0.01 {
+            if cross(direction, along).abs() < 0.01 {
                 return [None, None];
             }
-            let t = cross(other - center, along) / sine;
-            [Some(center + direction * t), None]
+            [Some(center + direction * meeting(center, direction, other, along)), None]
         }
         (Model::Line { center, direction }, Model::Arc { center: hub, radius, .. })
         | (Model::Arc { center: hub, radius, .. }, Model::Line { center, direction }) => {

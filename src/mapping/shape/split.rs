@@ -3,7 +3,7 @@
 
 use super::classify::{BENT, SHALLOW, is_convex};
 use crate::geometry::simple::{crossings, segments_meet};
-use crate::geometry::{Piece, Point, Ring, angle, cross};
+use crate::geometry::{Piece, Point, Ring, angle, cross, meeting};
 use crate::mapping::map::{Part, PartClass, ShapeClass};
 
 /// Flatter arcs than this are left in their polygonal part, metres: the robot's reach covers them.
@@ -142,12 +142,11 @@ fn apex(straight: &[Piece]) -> Option<Point> {
         return None;
     };
     let (u, v) = (one.tangent(0.5), other.tangent(0.5));
-    let sine = cross(u, v);
-    if sine.abs() < FLATTEST {
+    if cross(u, v).abs() < FLATTEST {
         // Both radii of half a disc.
         return Some(one.to());
     }
-    Some(one.to() + u * (cross(other.from() - one.to(), v) / sine))
+    Some(one.to() + u * meeting(one.to(), u, other.from(), v))
 }
 
 /// Whether piece `k` is an arc with floor inside, deep enough to be a part, whose chord runs over

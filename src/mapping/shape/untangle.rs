@@ -4,7 +4,7 @@
 use super::chain::{TOLERANCE, thinned};
 use crate::geometry::segment::Segment;
 use crate::geometry::simple::crossings;
-use crate::geometry::{Point, Ring, Vector, cross};
+use crate::geometry::{Point, Ring, Vector, cross, meeting};
 
 /// A loop at a crossing may be no more than contacts out of order up to this length, metres; a longer one is of
 /// something, however thin that is.
@@ -33,7 +33,7 @@ pub(super) fn untangled(
         };
         let side = |n: usize| (points[n], points[(n + 1) % points.len()]);
         let ((a, b), (c, d)) = (side(i), side(k));
-        let at = meeting(a, b, c, d).unwrap_or(b);
+        let at = crossing(a, b, c, d).unwrap_or(b);
         // From the crossing round to the crossing.
         let length = |from: usize, to: usize| -> f64 {
             let between = (from..to).map(|n| side(n % points.len()));
@@ -85,10 +85,9 @@ fn beside(at: Point, [(a, b), (c, d)]: [(Point, Point); 2]) -> [Point; 2] {
 }
 
 /// Where the straight lines a-b and c-d meet.
-pub(super) fn meeting(a: Point, b: Point, c: Point, d: Point) -> Option<Point> {
+pub(super) fn crossing(a: Point, b: Point, c: Point, d: Point) -> Option<Point> {
     let (u, v) = (b - a, d - c);
-    let sine = cross(u, v);
-    (sine.abs() > 1e-12).then(|| a + u * (cross(c - a, v) / sine))
+    (cross(u, v).abs() > 1e-12).then(|| a + u * meeting(a, u, c, v))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A straight stretch of wall, fitted to a few contacts.
 
-use crate::geometry::{Point, Vector, angle, cross};
+use crate::geometry::{Point, Vector, angle, cross, meeting};
 
 /// A straight stretch of wall: a point on it and its unit direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,11 +42,10 @@ impl Stretch {
     /// (nearly) side by side or it lies behind.
     #[must_use]
     pub fn meets(&self, from: Point, direction: Vector) -> Option<f64> {
-        let slope = cross(direction, self.along);
-        if slope.abs() < 0.1 {
+        if cross(direction, self.along).abs() < 0.1 {
             return None;
         }
-        let distance = cross(self.at - from, self.along) / slope;
+        let distance = meeting(from, direction, self.at, self.along);
         (distance > 0.0).then_some(distance)
     }
 

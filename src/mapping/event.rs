@@ -226,6 +226,8 @@ pub enum EventKind {
     },
     /// No wall was mapped near the ends of the tape.
     TapeNowhere,
+    /// Where the tape was held is known so badly that it says nothing.
+    TapeVague,
     /// The path plan is made.
     PlanMade {
         /// Lines to drive.

@@ -32,6 +32,8 @@ const RAGGED_END: f64 = 0.03;
 const ACROSS: f64 = 0.5;
 /// A tape that disagrees with the map by more than this share was held elsewhere.
 const MOST: f64 = 0.06;
+/// A tape whose ends are known to no better than this share of it says nothing of wheels that are off by a third of that.
+const VAGUE: f64 = 3.0 * SCALE_SD;
 
 /// A length between two places of the outline, as measured in the room.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -75,6 +77,8 @@ impl Taped {
 pub enum Untaped {
     /// There is no wall near its ends.
     Nowhere,
+    /// Where its ends were is known so badly that it says nothing, as along one and the same wall.
+    Vague,
     /// It is off by more than wheels can be.
     Refused {
         /// The length on the map, metres.
@@ -88,6 +92,10 @@ impl fmt::Display for Untaped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nowhere => f.write_str("taped length not used: no wall near its ends"),
+            Self::Vague => f.write_str(
+                "taped length not used: along a wall nobody knows where it was held; tape from corner to corner, or \
+                 from wall to wall",
+            ),
             Self::Refused { mapped, taped } => write!(
                 f,
                 "taped length not used: {taped:.3} m, but {mapped:.3} m on the map (was it held here?)"
@@ -214,6 +222,12 @@ impl Length {
         self.sd / self.mapped
     }
 
+    /// Whether its ends are known so badly that a tape between them says nothing.
+    #[must_use]
+    pub fn is_vague(&self) -> bool {
+        self.share() > VAGUE
+    }
+
     /// How well the scale is known once this was taped, as a share: one standard deviation of the mean of what the
     /// tape says and what wheels are.
     #[must_use]
@@ -307,6 +321,19 @@ mod tests {
         let (slanting, across) =
             (doubt(tape((0.0, 0.0), (1.35, 4.5), 4.7)), doubt(tape((2.5, 0.0), (2.5, 4.5), 4.5)));
         assert!(across < 0.002 && (0.004..SCALE_SD).contains(&slanting), "{across} {slanting}");
+    }
+
+    /// Along a wall every place is as far from the next as the tape says.
+    #[test]
+    fn a_tape_that_was_held_along_a_wall_says_nothing_but_from_corner_to_corner() {
+        let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.5), (0.0, 4.5)];
+        let outline = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        let is_vague =
+            |from, to, length: f64| tape(from, to, length).on(&outline).expect("walls").is_vague();
+        assert!(is_vague((1.0, 0.0), (4.0, 0.0), 3.0));
+        assert!(is_vague((0.0, 0.0), (4.0, 0.0), 4.0), "only one of its ends is a corner");
+        assert!(!is_vague((0.0, 0.0), (5.0, 0.0), 5.02));
+        assert!(!is_vague((2.5, 0.0), (2.5, 4.5), 4.5) && !is_vague((0.0, 0.0), (1.35, 4.5), 4.7));
     }
 
     #[test]

@@ -117,6 +117,7 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             write!(f, "taped length noted: {taped:.3} m; it counts once the shape is found")
         }
         EventKind::TapeNowhere => write!(f, "{}", Untaped::Nowhere),
+        EventKind::TapeVague => write!(f, "{}", Untaped::Vague),
         _ => Ok(()),
     }
 }
@@ -425,7 +426,8 @@ impl fmt::Display for EventKind {
             Self::TapeLaid { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNoted { .. }
-            | Self::TapeNowhere => tape(f, self),
+            | Self::TapeNowhere
+            | Self::TapeVague => tape(f, self),
             Self::LineBegan { id, backwards: false } => write!(f, "line L{id} begins"),
             Self::LineBegan { id, backwards: true } => write!(f, "line L{id} begins, from its end"),
             Self::LineDriven { id } => write!(f, "line L{id} driven"),
@@ -499,6 +501,7 @@ impl EventKind {
             | Self::SwitchDoubted { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNowhere
+            | Self::TapeVague
             | Self::PlanMade { over: true, .. }
             | Self::Bumped
             | Self::Odd { .. }

@@ -27,6 +27,9 @@ impl Mission {
         let Some(length) = tape.on(&fitted) else {
             return self.not_taped(Untaped::Nowhere, fitted, out);
         };
+        if length.is_vague() {
+            return self.not_taped(Untaped::Vague, fitted, out);
+        }
         let (mapped, before) = (length.mapped, self.tracker.stretched());
         if tape.stretch(length, self.tracker.stretched()).is_none() {
             return self.not_taped(Untaped::Refused { mapped, taped: tape.length }, fitted, out);
@@ -69,6 +72,7 @@ impl Mission {
     fn not_taped(&mut self, why: Untaped, outline: Ring, out: &mut Vec<Output>) -> Ring {
         let told = match why {
             Untaped::Nowhere => EventKind::TapeNowhere,
+            Untaped::Vague => EventKind::TapeVague,
             Untaped::Refused { mapped, taped } => EventKind::TapeRefused { mapped, taped },
         };
         self.tell(told, out);

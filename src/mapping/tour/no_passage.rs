@@ -7,7 +7,7 @@ use crate::geometry::Point;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, LONGEST_STRIDE, Side};
 use crate::mapping::map::{Contact, MappedObject};
-use crate::mapping::shape::{KNOWN, is_seen_from_within, things};
+use crate::mapping::shape::{KNOWN, things};
 use crate::mapping::survey::Hung;
 use crate::mapping::wall::Sighting;
 use crate::robot::Chassis;
@@ -122,15 +122,14 @@ impl Tour {
     /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
     /// last of them straight to the first, the boundary is always near, and each was made no farther than
     /// two looks a stride apart from one before. Where the pose is lost, what was followed may have been the
-    /// boundary itself, which is seen from within.
+    /// boundary itself.
     fn hides_behind(&self, contacts: &[Contact]) -> bool {
         let gap = self.chassis.passable_gap();
         let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
         let near = |p: Point| self.chart.outline().distance(p) < gap + BESIDE_BOUNDARY;
         let behind = last.point - first.point;
         let steps = (behind.norm() / STEP).ceil().max(1.0);
-        !is_seen_from_within(contacts)
-            && (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
+        (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
             && (1..contacts.len()).all(|k| {
                 // Not from the one just before: a look sees ahead and behind by turns.
                 let off = |other: &Contact| (other.point - contacts[k].point).norm();

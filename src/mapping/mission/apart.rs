@@ -1,6 +1,6 @@
 //! What the lap went round that is no part of the wall: made objects of while the shape is found, each with
-//! its own contacts, and with the tip by which the lap joined it to the wall. What stands apart, the `shape` says;
-//! nothing is driven for it.
+//! its own contacts, and with the tip by which the lap joined it to the wall; and what the outline has lost but is one
+//! with the wall drawn into that. What stands apart, the `shape` says; nothing is driven for it.
 
 use super::phases::REFINED;
 use super::{Mission, Output};

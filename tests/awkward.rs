@@ -441,3 +441,32 @@ fn what_was_seen_from_the_mouth_of_a_gap_or_across_it_breaks_no_outline() {
         assert!((3.4..3.65).contains(&area), "{things:?} {noise}: {area} m2 after {way} m");
     }
 }
+
+/// A room whose things are small, and a robot whose gyro is bad enough to lose its way in it.
+const LOST: &str = r#"
+name = "room"
+start = { x = 0.9627, y = 2.6482, heading = 190 }
+[boundary]
+vertices = [[0, 0], [3.4141, 2.1601], [2.095, 4.2449], [-1.3191, 2.0848]]
+[[objects]]
+vertices = [[2.6502, 2.8013], [2.588, 2.9005], [2.5474, 2.7485], [2.6096, 2.6493]]
+[[objects]]
+circle = { center = [-0.2073, 1.0287], radius = 0.0294 }
+[[objects]]
+circle = { center = [0.1349, 0.5867], radius = 0.0367 }
+[[objects]]
+vertices = [[-0.4806, 2.1857], [-0.4912, 2.2027], [-0.8856, 1.9555], [-0.875, 1.9386]]
+"#;
+
+#[test]
+fn a_robot_that_is_lost_does_not_take_the_room_for_a_thing() {
+    // Before, the third of them handed over a map with a thing of 9.8 m2 in a room of 10.
+    let world = World::from_toml(LOST, "room", 0.1).expect("a world");
+    for seed in [1, 2, 3] {
+        let chassis = told(&Chassis::default());
+        let settings = Settings { seed, chassis, ..Settings::new(world.start) };
+        let map = common::mapped(&world, settings, NoiseProfile::Harsh, Phase::Objects);
+        let largest = map.objects.iter().map(|o| o.outline.area()).fold(0.0, f64::max);
+        assert!(largest < 0.1, "robot {seed}: a thing of {largest} m2");
+    }
+}

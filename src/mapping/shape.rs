@@ -38,7 +38,9 @@ pub use classify::{TURN_POINT, identify, turn_points};
 pub use island::{ALL_AROUND, BUT_FOR_ITS_BACK, Enclosed, enclosed, lost, unmapped};
 pub use neck::{is_apart, islands, shared_out, tip};
 pub use needle::{Needle, needles};
-pub use object::{KNOWN, Thing, class_of, closer, is_mapped, lies_on, object_outline, things};
+pub use object::{
+    KNOWN, Thing, class_of, closer, is_mapped, is_seen_from_within, lies_on, object_outline, things,
+};
 pub use spur::without_spurs;
 pub use strait::cut_at_straits;
 pub use through::{Through, faces_through_each_other};

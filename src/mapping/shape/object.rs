@@ -261,15 +261,27 @@ fn behind(contact: &Contact, depth: f64) -> Option<Point> {
     Some(contact.point + away * depth)
 }
 
+/// Whether what the `contacts`, joined in order and closed by a chord, go round is where most of them were made from:
+/// then they are of what the robot stands in.
+#[must_use]
+pub fn is_seen_from_within(contacts: &[Contact]) -> bool {
+    let points: Vec<Point> = contacts.iter().map(|contact| contact.point).collect();
+    let closed = Ring::polygon(&points);
+    let within = contacts.iter().filter(|contact| closed.contains(contact.from)).count();
+    2 * within > contacts.len()
+}
+
 /// What was seen of something that was not gone round, closed by a chord: where the chord is short that is
 /// nearly all of it. Where it is long nobody knows what lies behind, and the floor on the other side, which
-/// may be the half of a room, is not taken for solid: then only what was seen counts, and a little depth.
+/// may be the half of a room, is not taken for solid: then only what was seen counts, and a little depth. So it is
+/// where it was seen from within: a robot that is lost and takes the wall of its room for a thing stands in the middle
+/// of that.
 fn chain(contacts: &[Contact]) -> Ring {
     let seen = order::along_open(contacts);
     let mut points: Vec<Point> = seen.iter().map(|c| c.point).collect();
     let gone: f64 = points.windows(2).map(|two| (two[1] - two[0]).norm()).sum();
     let chord = points.first().zip(points.last()).map_or(0.0, |(a, b)| (b - a).norm());
-    if chord > MOST_UNSEEN * gone {
+    if chord > MOST_UNSEEN * gone || is_seen_from_within(&seen) {
         points.extend(seen.iter().rev().filter_map(|c| behind(c, DEPTH)));
     }
     Ring::polygon(&points).counter_clockwise()
@@ -279,6 +291,22 @@ fn chain(contacts: &[Contact]) -> Ring {
 mod tests {
     use super::super::testing::along;
     use super::*;
+
+    /// A robot that is lost may go round in its own room and take the wall for a thing.
+    #[test]
+    fn what_was_seen_from_within_is_not_solid() {
+        let room = along(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.3)], 1.0);
+        assert!(is_seen_from_within(&room));
+        let (outline, class) = object_outline(&room, false);
+        assert_eq!(class, ObjectClass::Open);
+        assert!(!outline.contains(Point::new(2.0, 1.5)));
+        assert!((0.05..0.3).contains(&outline.area()), "{}", outline.area());
+        // Its other side is, once it was gone round outside.
+        let box_ = along(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.3), (0.0, 0.3), (0.0, 0.1)], -1.0);
+        assert!(!is_seen_from_within(&box_));
+        let (outline, _) = object_outline(&box_, false);
+        assert!(outline.contains(Point::new(0.2, 0.15)), "{}", outline.area());
+    }
 
     #[test]
     fn a_half_seen_wall_does_not_make_the_room_behind_it_solid() {

@@ -7,7 +7,7 @@ use crate::geometry::Point;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::follow::{Ask, LONGEST_STRIDE, Side};
 use crate::mapping::map::{Contact, MappedObject};
-use crate::mapping::shape::{KNOWN, things};
+use crate::mapping::shape::{KNOWN, is_seen_from_within, things};
 use crate::mapping::survey::Hung;
 use crate::mapping::wall::Sighting;
 use crate::robot::Chassis;
@@ -122,14 +122,19 @@ impl Tour {
     /// Whether a thing seen from wall to wall by `contacts` hides no more than a gap behind it: from the
     /// last of them straight to the first, the boundary is always near, and each was made no farther than
     /// two looks a stride apart from one before. Where the pose is lost, what was followed may have been the
-    /// boundary itself.
+    /// boundary itself, seen from the floor within it. (In a strait at which the map ends as well the walls are seen
+    /// from within, but from beyond the map.)
     fn hides_behind(&self, contacts: &[Contact]) -> bool {
         let gap = self.chassis.passable_gap();
         let (Some(first), Some(last)) = (contacts.first(), contacts.last()) else { return false };
         let near = |p: Point| self.chart.outline().distance(p) < gap + BESIDE_BOUNDARY;
         let behind = last.point - first.point;
         let steps = (behind.norm() / STEP).ceil().max(1.0);
-        (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
+        let on_the_floor =
+            contacts.iter().filter(|c| self.chart.outline().contains(c.from)).count();
+        let is_the_boundary = 2 * on_the_floor > contacts.len() && is_seen_from_within(contacts);
+        !is_the_boundary
+            && (0..=steps as u32).all(|k| near(first.point + behind * (f64::from(k) / steps)))
             && (1..contacts.len()).all(|k| {
                 // Not from the one just before: a look sees ahead and behind by turns.
                 let off = |other: &Contact| (other.point - contacts[k].point).norm();

@@ -497,6 +497,7 @@ impl Session {
             source: self.source.clone(),
             recorded: false,
             record_end: None,
+            asked: false,
         }
     }
 }

@@ -442,7 +442,8 @@ fn a_reader_that_goes_away_is_no_panic() {
     let mut told = String::new();
     child.stderr.take().expect("piped").read_to_string(&mut told).expect("text");
     let status = child.wait().expect("an end").code();
-    assert!(matches!(status, Some(0 | 141)), "ended with {status:?}: {told}");
+    // What was found counts, whether or not anybody reads of it.
+    assert_eq!(status, Some(2), "{told}");
     assert!(told.is_empty(), "a closed pipe is nobody's fault: {told}");
 }
 

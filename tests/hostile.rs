@@ -368,6 +368,25 @@ fn a_file_that_may_not_grow_is_told_once_and_truthfully() {
     assert!(said.contains("the record cannot be written") && said.contains("stopped"), "{said}");
 }
 
+/// `periplus run … | head` may end before the run does; how that ended is still told to whoever asks for the status.
+#[cfg(unix)]
+#[test]
+fn how_a_run_ended_is_told_whether_or_not_anybody_reads_its_last_line() {
+    let dir = place("unread");
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = format!("tcp://{}", listener.local_addr().expect("an address"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_periplus"))
+        .args(["run", "--port", &port, "--out"])
+        .arg(dir.join("run"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    assert_eq!(child.wait().expect("an end").code(), Some(1));
+}
+
 /// A port at which no robot answers leaves no folder, says no word of results, and the folder can be
 /// used again.
 #[cfg(unix)]

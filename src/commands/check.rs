@@ -26,7 +26,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
                 format!("{}\n", output::harmless(&error))
             }
         };
-        output::print(&line)?;
+        output::tell(&line)?;
     }
     Ok(if bad { 2 } else { 0 })
 }

@@ -60,11 +60,11 @@ pub fn print_measured(figures: Option<String>, folder: &OutputFolder) -> Result<
         output::say(&format!("periplus: {why}; see the log in the record"));
         return Ok(1);
     };
-    output::print(&figures)?;
+    output::tell(&figures)?;
     let chassis = folder.path().join("chassis.toml");
     if chassis.exists() {
         let what = "put its figures into the robot (--chassis is for the simulated one)";
-        output::print(&format!("body written to {}: {what}\n", chassis.display()))?;
+        output::tell(&format!("body written to {}: {what}\n", chassis.display()))?;
     }
     Ok(0)
 }
@@ -78,7 +78,7 @@ pub fn print_squared(record: &RunRecord<'_>) -> Result<(), CommandError> {
         return Ok(());
     }
     let told = EventKind::squared(record.map.squared.as_ref());
-    output::print(&format!("{told}\n"))
+    output::tell(&format!("{told}\n"))
 }
 
 /// Prints what the robot did not get to, where it drove all it had to.
@@ -87,7 +87,7 @@ pub fn print_squared(record: &RunRecord<'_>) -> Result<(), CommandError> {
 /// When standard output cannot be written.
 pub fn print_unreached(record: &RunRecord<'_>) -> Result<(), CommandError> {
     for told in unreached::told(&record.map.unreached) {
-        output::print(&format!("{told}\n"))?;
+        output::tell(&format!("{told}\n"))?;
     }
     Ok(())
 }
@@ -105,7 +105,7 @@ pub fn print(ending: &Ending, folder: &OutputFolder, kept: &Kept) -> Result<(), 
         Kept::Nothing if folder.exists() => format!("{} is as it was", folder.display()),
         Kept::Nothing => "nothing was recorded".to_owned(),
     };
-    output::print(&format!("{told}; {what}\n"))
+    output::tell(&format!("{told}; {what}\n"))
 }
 
 /// How a run ended and why.

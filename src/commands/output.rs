@@ -20,6 +20,17 @@ pub fn print_bytes(bytes: &[u8]) -> Result<(), CommandError> {
     printed(io::stdout().lock().write_all(bytes))
 }
 
+/// Writes what is said of something that was done: done it is, whether or not anybody reads of it.
+///
+/// # Errors
+/// As [`print()`], but that nobody reads is none.
+pub fn tell(text: &str) -> Result<(), CommandError> {
+    match print(text) {
+        Err(CommandError::ReaderGone) => Ok(()),
+        said => said,
+    }
+}
+
 /// Sees to it that what was `written` to standard output is there.
 ///
 /// # Errors

@@ -162,8 +162,11 @@ struct LiveDriver {
 
 impl Driver for LiveDriver {
     fn snapshot(&self) -> Snapshot {
+        // Asked first: what was followed by then is in the picture.
+        let asked = self.line.is_behind();
         let shown = self.line.snapshot();
-        shown.map_or_else(|| self.waiting.clone(), Arc::unwrap_or_clone)
+        let snapshot = shown.map_or_else(|| self.waiting.clone(), Arc::unwrap_or_clone);
+        Snapshot { asked, ..snapshot }
     }
 
     fn version(&self) -> u64 {
@@ -213,18 +216,19 @@ pub fn console(address: &Address, screen: Options, common: &Common) -> Result<u8
     let run = driver.line.leave();
     let ended = ended?;
     let why = glue::why_left(&ended);
-    let (mut kept, mut unfinished) = (Kept::Whole, false);
+    let (mut kept, mut unfinished, mut unrecorded) = (Kept::Whole, false, false);
     if let Some(mut run) = run {
         let left = Ending { outcome: crate::export::Outcome::Stopped, reason: why };
         let ending = run.ending().unwrap_or(left);
         unfinished = run.ending().is_none();
+        unrecorded = run.is_unrecorded();
         kept = write(&mut run, &ending, &folder, watch.seconds());
         if kept == Kept::Nothing {
             output::say(&format!("periplus: nothing was recorded: {}", ending.reason));
         }
     }
     // An operator who leaves before the robot was there has seen that it was not.
-    let status = if kept == Kept::Nothing { 0 } else { kept.status(0) };
+    let status = if kept == Kept::Nothing && !unrecorded { 0 } else { kept.status(0) };
     glue::say_recorded(&folder, &kept);
     if unfinished && kept != Kept::Nothing {
         let dir = folder.path().display();

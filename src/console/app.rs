@@ -84,18 +84,22 @@ async fn turn(
     let mut tick = clock.ticker(FRAME);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
     let mut drawn: Option<(u64, Model)> = None;
-    let mut snapshot = driver.snapshot();
+    let (mut known, mut snapshot) = (driver.version(), driver.snapshot());
     loop {
         tokio::select! {
             biased;
             event = keys.next() => {
                 let Some(event) = event else { return Ok(Ending::Signal(1)) };
+                // A key acts on how things are, not on the last frame: that may be an old one, where the terminal
+                // is slow, or of before another key of the same batch.
+                if std::mem::replace(&mut known, driver.version()) != known || snapshot.asked {
+                    snapshot = driver.snapshot();
+                }
                 let effects = take(&mut model, &snapshot, event?);
                 for effect in effects {
                     match effect {
                         Effect::Intent(intent) => {
                             driver.intent(intent);
-                            // The next key of the same batch acts on how things are, not on the last frame.
                             snapshot = driver.snapshot();
                         }
                         Effect::Quit => return Ok(Ending::Quit),

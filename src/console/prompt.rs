@@ -8,6 +8,8 @@ use tui_input::{Input, InputRequest};
 
 /// As many lines are remembered.
 const REMEMBERED: usize = 100;
+/// Letters in a line at most: more than the longest path.
+const LONGEST: usize = 4096;
 
 /// The lines typed before, the oldest first.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -81,9 +83,10 @@ impl Prompt {
         )
     }
 
-    /// Writes `text` at the cursor, without what is no letter.
+    /// Writes `text` at the cursor, without what is no letter and what makes it longer than any command.
     pub fn insert(&mut self, text: &str) {
-        for letter in text.chars().filter(|letter| !letter.is_control()) {
+        let room = LONGEST.saturating_sub(self.text().chars().count());
+        for letter in text.chars().filter(|letter| !letter.is_control()).take(room) {
             self.input.handle(InputRequest::InsertChar(letter));
         }
     }

@@ -48,19 +48,6 @@ const PAN: f64 = 0.125;
 /// How many entries of the log one key scrolls by.
 const LOG_STEP: isize = 3;
 
-/// Whether leaving now would leave a moving robot behind. In a replay there is none.
-#[must_use]
-pub fn may_move(snapshot: &Snapshot) -> bool {
-    if snapshot.recorded {
-        return false;
-    }
-    let moving = match snapshot.robot {
-        Known::Known(robot) | Known::Stale { value: robot, .. } => robot.moving,
-        Known::Unknown => false,
-    };
-    moving || matches!(snapshot.run, RunState::Running | RunState::Stepping(_))
-}
-
 /// A key was pressed.
 pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
     model.hint = None;
@@ -68,8 +55,8 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
     let typing = matches!(model.overlay, Overlay::Line(_));
     // Stop comes before everything else. Only while a command is typed and nothing can move is
     // its key a letter like others. Ctrl-C stops what may move, whatever else the keymap has made of it.
-    let stops = action == Some(Action::Stop) || (key.is_ctrl_c() && may_move(snapshot));
-    if stops && (!typing || key.typed().is_none() || may_move(snapshot)) {
+    let stops = action == Some(Action::Stop) || (key.is_ctrl_c() && snapshot.may_move());
+    if stops && (!typing || key.typed().is_none() || snapshot.may_move()) {
         close_unless_typing(model, key);
         return perform(model, snapshot, Action::Stop);
     }
@@ -203,7 +190,7 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::CommandLine => model.overlay = Overlay::Line(Prompt::default()),
         Action::Redraw => return vec![Effect::Redraw],
         Action::Suspend => return vec![Effect::Intent(Intent::Stop), Effect::Suspend],
-        Action::Quit if may_move(snapshot) => model.overlay = Overlay::ConfirmQuit,
+        Action::Quit if snapshot.may_move() => model.overlay = Overlay::ConfirmQuit,
         Action::Quit => return vec![Effect::Quit],
     }
     Vec::new()
@@ -303,7 +290,8 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         Action::StepCommand => Intent::StepCommand,
         Action::StepEvent => Intent::StepEvent,
         Action::StepPhase => Intent::StepPhase,
-        _ if snapshot.run == RunState::Paused => Intent::Run,
+        // Asked a second time before the first was done, it is not to go on.
+        _ if snapshot.run == RunState::Paused && !snapshot.asked => Intent::Run,
         _ => Intent::Pause,
     };
     if is_nowhere(snapshot) && !snapshot.recorded && intent != Intent::Pause {

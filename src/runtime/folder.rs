@@ -21,6 +21,8 @@ const LONGEST_HEADER: u64 = 1 << 20;
 #[derive(Debug, Clone)]
 pub struct OutputFolder {
     path: PathBuf,
+    /// It was not there before.
+    made: bool,
 }
 
 /// Why results cannot be kept.
@@ -118,6 +120,7 @@ impl OutputFolder {
         if path.exists() && !path.is_dir() {
             return Err(FolderError::NoFolder { path: path.to_owned() });
         }
+        let made = !path.exists();
         fs::create_dir_all(path).map_err(|error| FolderError::unwritable(path, &error))?;
         let journal = path.join("journal");
         let unwritable = |error: io::Error| FolderError::unwritable(&journal, &error);
@@ -128,7 +131,7 @@ impl OutputFolder {
         only_writer(path, &file)?;
         Self::refuse_taken(path)?;
         file.set_len(0).map_err(unwritable)?;
-        Ok((Self { path: path.to_owned() }, file))
+        Ok((Self { path: path.to_owned(), made }, file))
     }
 
     /// The folder of a run that was interrupted, and its record, to be read and gone on with: from now on
@@ -141,7 +144,7 @@ impl OutputFolder {
         let file = OpenOptions::new().read(true).write(true).open(&journal);
         let file = file.map_err(|error| FolderError::unwritable(&journal, &error))?;
         only_writer(path, &file)?;
-        Ok((Self { path: path.to_owned() }, file))
+        Ok((Self { path: path.to_owned(), made: false }, file))
     }
 
     /// Cuts the record that was [reopened](Self::reopen) to the `sound` bytes that hold; what is written next
@@ -160,7 +163,9 @@ impl OutputFolder {
         if is_unbegun(&journal) {
             // Should it stay, it is no obstacle either.
             let _ = fs::remove_file(journal);
-            let _ = fs::remove_dir(&self.path);
+            if self.made {
+                let _ = fs::remove_dir(&self.path);
+            }
         }
     }
 
@@ -383,8 +388,14 @@ mod tests {
             assert!(busy.contains("another program"), "{busy}");
             drop(file);
             folder.discard_unbegun();
-            assert!(!path.exists(), "`{left}`: the folder is still there");
+            let within = fs::read_dir(&path).expect("somebody's folder is kept").count();
+            assert_eq!(within, 0, "`{left}`: something is left in it");
         }
+        fs::remove_dir(&path).expect("an empty folder");
+        let (folder, file) = OutputFolder::create(&path).expect("a folder of its own");
+        drop(file);
+        folder.discard_unbegun();
+        assert!(!path.exists(), "the folder is still there");
         fs::create_dir_all(&path).expect("a folder");
         fs::write(path.join("journal"), "my diary").expect("a file");
         assert!(OutputFolder::create(&path).is_err(), "somebody's file was taken");
@@ -428,7 +439,7 @@ mod tests {
 
     #[test]
     fn a_full_disk_is_one_message() {
-        let folder = OutputFolder { path: PathBuf::from("out") };
+        let folder = OutputFolder { path: PathBuf::from("out"), made: false };
         assert_eq!(folder.complaint(Ok(()), &[]), None);
         let full = || io::Error::other("no room");
         let failed = ["map.svg", "map.png"]

@@ -3,6 +3,7 @@
 //! pictures of its state. What it decides it decides here, and it hands the record on here as well, before a
 //! command leaves: a plan that takes long, or a disk, does keep it, and the robot then stands by itself.
 
+mod requests;
 mod syncing;
 mod waiting;
 
@@ -12,6 +13,7 @@ use crate::link::{Address, PortError, Stream, port};
 use crate::robot::Intent;
 use crate::session::Snapshot;
 use crate::wire::{Host, STOP};
+use requests::Requests;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
@@ -22,7 +24,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use syncing::Syncing;
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
-use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use waiting::Waiting;
 
 /// The control loop looks at the time this often.
@@ -39,6 +41,8 @@ const FAREWELL: f64 = 0.3;
 /// What the rest of the program may ask.
 enum Request {
     Intent(Intent),
+    /// A stop waits behind others: the robot is told so ahead of them.
+    StopAhead,
     Leave,
     /// Fails, to see what becomes of the robot then.
     #[cfg(test)]
@@ -46,6 +50,9 @@ enum Request {
     /// Is busy for so many seconds, as with a plan or a disk.
     #[cfg(test)]
     Busy(f64),
+    /// Does nothing until it may go on.
+    #[cfg(test)]
+    Held(std::sync::mpsc::Receiver<()>),
 }
 
 /// What the control thread shows.
@@ -60,6 +67,8 @@ struct Shown {
     failure: Mutex<Option<String>>,
     /// Of the picture that is there, not of the state behind it.
     version: AtomicU64,
+    /// So many wishes were followed, or refused, when that picture was made.
+    followed: AtomicU64,
     /// Somebody looks, and would see a newer picture.
     wanted: AtomicBool,
     /// When an operator was there last, microseconds of the line's clock; 0 when none ever was.
@@ -69,6 +78,8 @@ struct Shown {
 /// A robot at the end of a line, kept by a thread.
 pub struct Line {
     requests: UnboundedSender<Request>,
+    /// So many wishes were given.
+    wishes: AtomicU64,
     shown: Arc<Shown>,
     watch: Stopwatch,
     thread: Option<JoinHandle<LiveRun<File>>>,
@@ -147,8 +158,17 @@ impl Line {
             None => run,
         };
         let syncing = Some(syncing);
-        let mut keeper =
-            Keeper { address, run, watch, shown: shown.clone(), asked, syncing, progress_due: 0.0 };
+        let asked = Requests::new(asked);
+        let mut keeper = Keeper {
+            address,
+            run,
+            watch,
+            shown: shown.clone(),
+            asked,
+            followed: 0,
+            syncing,
+            progress_due: 0.0,
+        };
         let thread = std::thread::Builder::new().name(CONTROL.to_owned()).spawn(move || {
             let keep = AssertUnwindSafe(|| runtime.block_on(keeper.keep(stream)));
             // The robot has its stop by then; what is known is still to be written.
@@ -163,12 +183,21 @@ impl Line {
             port: "control thread".to_owned(),
             reason: error.to_string(),
         })?;
-        Ok(Self { requests, shown, watch, thread: Some(thread) })
+        let wishes = AtomicU64::new(0);
+        Ok(Self { requests, wishes, shown, watch, thread: Some(thread) })
     }
 
     /// Gives the robot's keeper a wish of the operator; never waits.
     pub fn intent(&self, intent: Intent) {
+        self.wishes.fetch_add(1, Ordering::AcqRel);
         let _ = self.requests.send(Request::Intent(intent));
+    }
+
+    /// Whether a wish was given that the newest picture knows nothing of.
+    #[must_use]
+    pub fn is_behind(&self) -> bool {
+        self.shown.wanted.store(true, Ordering::Release);
+        self.shown.followed.load(Ordering::Acquire) < self.wishes.load(Ordering::Acquire)
     }
 
     /// An operator sees how things are, and is heard. From the first time on the robot is stopped when this
@@ -253,7 +282,9 @@ struct Keeper {
     run: LiveRun<File>,
     watch: Stopwatch,
     shown: Arc<Shown>,
-    asked: UnboundedReceiver<Request>,
+    asked: Requests,
+    /// So many wishes were followed or refused.
+    followed: u64,
     syncing: Option<Syncing>,
     progress_due: f64,
 }
@@ -292,7 +323,7 @@ impl Keeper {
         loop {
             tokio::select! {
                 biased;
-                request = self.asked.recv() => {
+                request = self.asked.next() => {
                     if self.ask(request.as_ref()) { return None; }
                 }
                 done = &mut what => return Some(done),
@@ -323,6 +354,12 @@ impl Keeper {
             Some(&Request::Intent(intent)) => {
                 let now = self.now();
                 self.run.intent(intent, now);
+                self.followed += 1;
+                false
+            }
+            Some(Request::StopAhead) => {
+                let now = self.now();
+                self.run.stop_ahead(now);
                 false
             }
             Some(Request::Leave) | None => true,
@@ -331,6 +368,11 @@ impl Keeper {
             #[cfg(test)]
             Some(&Request::Busy(seconds)) => {
                 self.watch.skip(seconds);
+                false
+            }
+            #[cfg(test)]
+            Some(Request::Held(go_on)) => {
+                let _ = go_on.recv();
                 false
             }
         }
@@ -379,7 +421,8 @@ impl Keeper {
             let mut was_read = false;
             tokio::select! {
                 biased;
-                request = self.asked.recv(), if leaving.is_none() => {
+                // A stop leaves before anything else is begun: that may be a plan, which takes its time.
+                request = self.asked.next(), if leaving.is_none() && !waiting.is_stop() => {
                     if self.ask(request.as_ref()) {
                         let now = self.now();
                         self.run.intent(Intent::Stop, now);
@@ -439,6 +482,9 @@ impl Keeper {
             *held(&self.shown.snapshot) = Some(snapshot);
             // Only now: whoever sees the new number finds the new picture.
             self.shown.version.store(version, Ordering::Release);
+        }
+        if version == self.shown.version.load(Ordering::Acquire) {
+            self.shown.followed.store(self.followed, Ordering::Release);
         }
         if now >= self.progress_due {
             self.progress_due = now + PROGRESS;

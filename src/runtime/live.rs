@@ -166,6 +166,7 @@ impl<W: Write> LiveRun<W> {
         if let Some((_, why)) = self.refused.take_if(|(due, _)| now >= *due) {
             self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
         }
+        self.hand_record_on();
         if let Some(error) = self.record_error() {
             self.unrecorded(&error, now);
         }
@@ -425,9 +426,10 @@ impl<W: Write> LiveRun<W> {
                 Outgoing::Event(_) | Outgoing::PhaseEnded(_) => {}
             }
         }
-        if let Some(journal) = &mut self.journal {
-            // Written before the command leaves: what was sent is never unknown afterwards.
-            journal.flush();
+        if self.held.is_some() {
+            // Before the command leaves: what was sent is never unknown afterwards. A stop waits for no disk, and
+            // what else there is, is handed on when nothing has to leave.
+            self.hand_record_on();
         }
         self.send_held(now);
         if let Some(command) = overtaken {

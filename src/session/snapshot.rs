@@ -154,9 +154,27 @@ pub struct Snapshot {
     /// In words why the playback goes no further, and what to do; none before it stands at the end of the record,
     /// and where the run was over there.
     pub record_end: Option<String>,
+    /// Something was asked for that is not in this picture yet: the robot may be about to move, or to stop.
+    pub asked: bool,
 }
 
 impl Snapshot {
+    /// Whether a motion is under way, as far as was heard: after a stop, until the robot said that it ended.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        match self.robot {
+            Known::Known(robot) | Known::Stale { value: robot, .. } => robot.moving,
+            Known::Unknown => false,
+        }
+    }
+
+    /// Whether the robot moves, or will without another word. In a replay there is none.
+    #[must_use]
+    pub fn may_move(&self) -> bool {
+        let goes_on = matches!(self.run, RunState::Running | RunState::Stepping(_));
+        !self.recorded && (self.asked || goes_on || self.is_moving())
+    }
+
     /// Whether the map is as it is handed over, without what it came from: nothing more will be driven, and the
     /// plan was not all that was asked for.
     #[must_use]
@@ -189,6 +207,7 @@ impl Snapshot {
             source: source.into(),
             recorded: false,
             record_end: None,
+            asked: false,
         }
     }
 }

@@ -114,6 +114,52 @@ fn in_a_replay_there_is_no_robot_to_ask_about() {
     );
 }
 
+/// A real robot's keeper may be busy, with a plan: what it was asked for is not in the picture yet.
+#[test]
+fn what_was_asked_for_may_move_the_robot_before_it_is_seen_to() {
+    let (mut model, mut snapshot) = waiting();
+    snapshot.robot = Known::Known(at_rest());
+    let (space, run) = (Key::parse("space").expect("a key"), Key::parse("r").expect("a key"));
+    assert_eq!(press(&mut model, &snapshot, run), [Effect::Intent(Intent::Run)]);
+    model.overlay = Overlay::Line("at".into());
+    assert!(press(&mut model, &snapshot, space).is_empty(), "nothing moves: it is a letter");
+    snapshot.asked = true;
+    assert_eq!(press(&mut model, &snapshot, space), [Effect::Intent(Intent::Stop)]);
+    model.overlay = Overlay::None;
+    assert_eq!(press(&mut model, &snapshot, run), [Effect::Intent(Intent::Pause)]);
+    assert!(press(&mut model, &snapshot, Key::parse("q").expect("a key")).is_empty());
+    assert_eq!(model.overlay, Overlay::ConfirmQuit);
+}
+
+/// Told to stop is not yet stopped.
+#[test]
+fn a_robot_is_stopped_when_it_says_so() {
+    let (model, mut snapshot) = waiting();
+    (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+    for (moving, shown, not) in [(true, "STOPPING", "STOPPED"), (false, "STOPPED", "STOPPING")] {
+        let view = RobotView { moving, ..at_rest() };
+        for robot in [Known::Known(view), Known::Stale { value: view, age: 2.0 }] {
+            snapshot.robot = robot;
+            let (symbols, _) = crate::console::frame::planes(&model, &snapshot);
+            assert!(symbols.contains(shown) && !symbols.contains(not), "{symbols}");
+            let spaced = |word: &str| word.chars().map(String::from).collect::<Vec<_>>().join(" ");
+            assert!(symbols.contains(&spaced(shown)), "{symbols}");
+            assert!(!symbols.contains(&spaced(not)), "{symbols}");
+        }
+    }
+}
+
+/// A whole file may be pasted by mistake, and no key is heard while it is taken in.
+#[test]
+fn what_is_longer_than_any_command_is_not_taken_in() {
+    let (mut model, _) = waiting();
+    model.overlay = Overlay::Line("export=".into());
+    paste(&mut model, &"a".repeat(1_000_000));
+    let Overlay::Line(line) = &model.overlay else { panic!("a line is typed") };
+    let letters = line.text().len();
+    assert!((500..5000).contains(&letters), "{letters}");
+}
+
 /// What was to be said to the robot then is nothing to be said to its record: it plays on, and pauses.
 #[test]
 fn a_replay_plays_on_over_a_stop_and_over_a_robot_that_asks_where_it_is() {

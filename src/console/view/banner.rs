@@ -38,7 +38,13 @@ pub(super) fn draw(
             } else {
                 format!("{clear} clears the stop; phase and map are kept")
             };
-            let lines = ["■ ■ ■   S T O P P E D   ■ ■ ■".to_owned(), how];
+            let told = "■ ■ ■   S T O P P E D   ■ ■ ■".to_owned();
+            // It was told to stop, and has not yet said that it did.
+            let lines = if snapshot.is_moving() {
+                ["■ ■ ■   S T O P P I N G   ■ ■ ■".to_owned(), how]
+            } else {
+                [told, how]
+            };
             draw_box(&mut pen, map, below, &lines, Role::Stopped);
         }
         // Who ended it knows, and wants to see what there is of the map.

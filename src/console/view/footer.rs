@@ -9,7 +9,6 @@ use crate::console::model::{Hint, Model, Overlay};
 use crate::console::prompt::Prompt;
 use crate::console::sanitize::clean;
 use crate::console::theme::{Role, Theme};
-use crate::console::update::may_move;
 use crate::session::snapshot::{RunState, Snapshot};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -69,7 +68,7 @@ fn draw_prompt(pen: &mut Pen<'_>, model: &Model, snapshot: &Snapshot, prompt: &P
         let x = pen.text(x, area.y, &under, Role::Cursor);
         pen.text(x, area.y, &after, Role::Value)
     };
-    let help = if may_move(snapshot) && model.keymap.label(Action::Stop) == "space" {
+    let help = if snapshot.may_move() && model.keymap.label(Action::Stop) == "space" {
         "space stops the robot; write alpha=0.3".to_owned()
     } else {
         let steered = model.steered(snapshot);

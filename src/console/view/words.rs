@@ -27,6 +27,8 @@ pub(super) fn run_state(snapshot: &Snapshot) -> (String, Role) {
         RunState::Stepping(Step::Command) => ("▷ ONE COMMAND", Role::Running),
         RunState::Stepping(Step::Event) => ("▷ TO EVENT", Role::Running),
         RunState::Stepping(Step::Phase) => ("▷ TO PHASE END", Role::Running),
+        // Told to, it has not yet said that it did.
+        RunState::Stopped if snapshot.is_moving() => ("■ STOPPING", Role::Stopped),
         RunState::Stopped => ("■ STOPPED", Role::Stopped),
         // Over it is, but a map that does not keep its promise is none to be glad of.
         RunState::Complete if snapshot.map.shortfall().is_some() => {

@@ -154,7 +154,8 @@ fn keeper(journal: Option<File>, syncing: Option<Syncing>) -> (Keeper, Unbounded
     let run = LiveRun::new(plan, Host::new(0, 1, 0.0), journal);
     let (requests, asked) = unbounded_channel();
     let (watch, shown) = (Stopwatch::start(), Arc::new(Shown::default()));
-    (Keeper { address, run, watch, shown, asked, syncing, progress_due: 0.0 }, requests)
+    let (asked, followed, progress_due) = (Requests::new(asked), 0, 0.0);
+    (Keeper { address, run, watch, shown, asked, followed, syncing, progress_due }, requests)
 }
 
 /// The same, with a record in a file `name` that does not reach the disk, and a robot that has introduced itself.
@@ -283,17 +284,23 @@ fn a_bridge_that_does_not_answer_is_left_at_once() {
     assert_eq!(runtime.expect("a runtime").block_on(never), None);
 }
 
+/// A line over `bridge`, whose record `name` nobody looks at.
+fn line_over(bridge: &std::net::TcpListener, name: &str) -> Line {
+    let address = format!("tcp://{}", bridge.local_addr().expect("an address"));
+    let address: Address = address.parse().expect("an address");
+    let settings = Settings::new(crate::geometry::Pose::new(0.0, 0.0, 0.0));
+    let plan = Plan { settings, port: address.to_string(), until: None, at_once: false };
+    let record = std::env::temp_dir().join(format!("periplus-{}-{name}", std::process::id()));
+    let journal = File::create(&record).expect("a record");
+    let _ = std::fs::remove_file(&record);
+    Line::open(address, plan, journal, None).expect("the line opens")
+}
+
 /// A bridge that lost its power says nothing of it, and the system would keep the connection for minutes.
 #[test]
 fn a_bridge_that_falls_silent_is_tried_anew() {
     let bridge = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let place = bridge.local_addr().expect("an address");
-    let address: Address = format!("tcp://{place}").parse().expect("an address");
-    let settings = Settings::new(crate::geometry::Pose::new(0.0, 0.0, 0.0));
-    let plan = Plan { settings, port: address.to_string(), until: None, at_once: false };
-    let record = std::env::temp_dir().join(format!("periplus-{}-bridge", std::process::id()));
-    let journal = File::create(&record).expect("a record");
-    let line = Line::open(address, plan, journal, None).expect("the line opens");
+    let line = line_over(&bridge, "bridge");
     let (told, tries) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         // Taken, kept, and never answered.
@@ -307,7 +314,33 @@ fn a_bridge_that_falls_silent_is_tried_anew() {
     let second = tries.recv_timeout(Duration::from_secs(20));
     assert!(first.is_ok() && second.is_ok(), "it is waited for for ever");
     drop(line.leave());
-    let _ = std::fs::remove_file(&record);
+}
+
+/// What was asked for before a stop may take its time, as a plan does: the stop does not wait for it.
+#[test]
+fn a_stop_does_not_wait_for_what_was_asked_before_it() {
+    let bridge = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let line = line_over(&bridge, "ahead");
+    let (mut robot, _) = bridge.accept().expect("the line");
+    robot.set_read_timeout(Some(Duration::from_secs(20))).expect("a socket");
+    let (go_on, ways): (Vec<_>, Vec<_>) = (0..2).map(|_| std::sync::mpsc::channel()).unzip();
+    for way in ways {
+        line.requests.send(Request::Held(way)).expect("it listens");
+    }
+    line.intent(Intent::Stop);
+    assert!(line.is_behind(), "a picture of what was not done yet");
+    // It is busy with the first; behind that the second and the stop wait.
+    go_on[0].send(()).expect("it is held");
+    let mut said = [0];
+    while said != [STOP] {
+        std::io::Read::read_exact(&mut robot, &mut said).expect("a stop");
+    }
+    assert!(line.is_behind(), "a picture of what was not done yet");
+    go_on[1].send(()).expect("it is held");
+    while line.is_behind() {
+        std::thread::yield_now();
+    }
+    drop(line.leave());
 }
 
 /// One test, since a panic anywhere stops every robot that this program keeps.

@@ -26,6 +26,11 @@ impl Waiting {
         &self.bytes
     }
 
+    /// Whether the next that leaves is a stop.
+    pub(super) fn is_stop(&self) -> bool {
+        self.bytes.first() == Some(&STOP)
+    }
+
     /// The port took `count` of them.
     pub(super) fn took(&mut self, count: usize, now: f64) {
         self.bytes.drain(..count);

@@ -19,12 +19,15 @@ impl<W: Write> LiveRun<W> {
         self.disbelieved = None;
         let stranger = self.stranger();
         let known = stranger.is_none();
+        if self.session.is_none() {
+            // It was nowhere yet.
+            self.stop(now);
+            return self.end(Outcome::Failed, why.to_owned());
+        }
         let why = stranger.unwrap_or_else(|| format!("{why}: where it is, is no longer known"));
         self.remark_once(why.clone(), now);
         self.stop(now);
-        let Some(session) = &self.session else {
-            return self.end(Outcome::Failed, why);
-        };
+        let Some(session) = &self.session else { return };
         if self.plan.at_once {
             let then = if known { "; --resume finds its place again" } else { "" };
             return self.end(Outcome::Failed, format!("{why}{then}"));

@@ -71,6 +71,12 @@ impl<W: Write> LiveRun<W> {
         self.session.as_ref().and_then(Ending::of).or_else(|| self.ended.clone())
     }
 
+    /// Whether the record could not be written, from its beginning or from some time on.
+    #[must_use]
+    pub fn is_unrecorded(&self) -> bool {
+        self.unrecorded
+    }
+
     /// Fixes the map for [`LiveRun::record`] and ends the record of the run.
     ///
     /// # Errors

@@ -22,6 +22,11 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// The robot is told to stop, ahead of wishes that were given before the one to stop and take their time.
+    pub fn stop_ahead(&mut self, now: f64) {
+        self.host.stop(now);
+    }
+
     /// Follows a wish, the operator's or one of this program's own.
     pub(super) fn wish(&mut self, intent: Intent, now: f64) {
         let Some(session) = &mut self.session else { return };

@@ -191,8 +191,13 @@ fn say(host: &mut Host, said: &[&str], now: f64, told: &mut Vec<Heard>) {
 
 /// A host whose robot has introduced itself at 0 s.
 fn known() -> (Host, Vec<Heard>) {
+    known_as(&Chassis::default())
+}
+
+/// The same of a robot with this body.
+fn known_as(body: &Chassis) -> (Host, Vec<Heard>) {
     let (mut host, mut told) = (Host::new(115_200, 0x2A, 0.0), Vec::new());
-    host.receive(&introduction(&Chassis::default(), 8), 0.0, &mut told);
+    host.receive(&introduction(body, 8), 0.0, &mut told);
     host.tick(0.0, &mut told);
     let _ = host.take_output();
     assert!(host.is_open());
@@ -334,23 +339,35 @@ fn a_robot_that_falls_silent_again_is_stopped_again() {
 }
 
 /// That a command never began is concluded when its end would have come, and not while the stop may not have
-/// arrived.
+/// arrived, nor while the robot may still brake.
 #[test]
 fn a_command_in_doubt_is_given_up_when_its_end_would_have_come() {
     let not_begun = |told: &[Heard]| told.contains(&Heard::NotBegun(CommandId(1)));
-    for acknowledged in [true, false] {
-        let (mut host, mut told) = known();
+    let braking = [(1.0, 0.2), (0.05, 4.0)];
+    for (acknowledged, (acceleration, stands)) in
+        [true, false].into_iter().flat_map(|yes| braking.map(|braking| (yes, braking)))
+    {
+        let body = Chassis { speed: 0.2, turn_rate: 1.0, acceleration, ..Chassis::default() };
+        let (mut host, mut told) = known_as(&body);
+        // A second after it stands still.
+        let over = 300 + (stands * 100.0) as u32;
         live(&mut host, (1, 200), true, &mut told);
         host.send(long(1), 2.0);
         host.stop(2.0);
         if acknowledged {
             say(&mut host, &["a 2147483649"], 2.0, &mut told);
         }
-        live(&mut host, (200, 295), true, &mut told);
-        assert!(!not_begun(&told), "acknowledged: {acknowledged}: too early");
-        live(&mut host, (295, 310), true, &mut told);
-        assert_eq!(not_begun(&told), acknowledged);
-        assert_eq!(host.is_at_rest(), acknowledged);
+        live(&mut host, (200, 300.min(over - 5)), true, &mut told);
+        if !acknowledged {
+            // After that it is given up, as a robot that does not answer.
+            live(&mut host, (300, 310), true, &mut told);
+            assert!(!not_begun(&told) && !host.is_at_rest());
+            continue;
+        }
+        live(&mut host, (300, over - 5), true, &mut told);
+        assert!(!not_begun(&told), "{acceleration} m/s2: too early");
+        live(&mut host, (over - 5, over + 10), true, &mut told);
+        assert!(not_begun(&told) && host.is_at_rest(), "{acceleration} m/s2");
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) const UNANSWERED: f64 = 3.0;
 pub(super) const OVERDUE: f64 = 3.0;
 /// A line is believed in again when it was there without a break for this long, seconds.
 pub(super) const CLEAN: f64 = 0.5;
-/// What began before a stop has ended, and said so, this long after it, seconds.
+/// What began before a stop has ended, and said so, this long after it and the time that braking takes, seconds.
 pub(super) const UNDOUBTED: f64 = 1.0;
 /// A robot that tells of later events says the next one again within this, seconds.
 pub(super) const HOLE: f64 = 0.5;

@@ -68,7 +68,10 @@ impl Host {
             }
             self.ping_due = now + PING;
         }
-        if self.stop.is_none() && judged - self.quiet > UNDOUBTED && silence < PING * 3.0 {
+        if self.stop.is_none()
+            && judged - self.quiet > UNDOUBTED + self.braking()
+            && silence < PING * 3.0
+        {
             // Its end would have come by now.
             if let Some(id) = self.doubt.take() {
                 self.motion = None;
@@ -100,6 +103,15 @@ impl Host {
             pending.again(now);
             self.out.extend_from_slice(&pending.line);
         }
+    }
+
+    /// How long the robot takes to stand still from what it drives and turns at most, seconds: a stop brakes as hard
+    /// as it speeds up, at least.
+    fn braking(&self) -> f64 {
+        self.identity().map_or(0.0, |identity| {
+            let body = &identity.chassis;
+            body.speed.max(body.turn_rate * body.wheel_base / 2.0) / body.acceleration
+        })
     }
 
     /// How long an acknowledgement is waited for, seconds.

@@ -16,6 +16,22 @@ fn stale() -> Rig {
     rig
 }
 
+/// A disk may take its time; a stop leaves before it is written down, and is written down all the same.
+#[test]
+fn a_stop_waits_for_no_disk() {
+    let mut rig = rig(Faults::default(), 1, false);
+    rig.until(3.0, |_| false);
+    rig.run.intent(Intent::Run, rig.now);
+    assert!(rig.until(20.0, |rig| rig.device.is_moving()));
+    let written = rig.memory.bytes.borrow().len();
+    rig.run.intent(Intent::Stop, rig.now);
+    assert_eq!(rig.run.take_output().first(), Some(&crate::wire::STOP));
+    assert_eq!(rig.memory.bytes.borrow().len(), written, "the disk was waited for");
+    rig.run.tick(rig.now);
+    let record = String::from_utf8_lossy(&rig.memory.bytes.borrow()[written..]).into_owned();
+    assert!(record.to_lowercase().contains("stop"), "{record}");
+}
+
 /// A command that waits for the line is not sent after a stop, whether the record has failed meanwhile or not;
 /// nor does the run wait for its end.
 #[test]

@@ -248,7 +248,7 @@ fn signals_stop_the_robot_and_end_the_program() {
     for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let seen = ended_by(End::Signal(signal));
         assert_eq!(seen.status, Some(status), "{signal}");
-        // 100 ms to the stop, and braking from 0.2 m/s at 1 m/s² takes 200 ms.
+        // 100 ms to the stop, and braking from 0.2 m/s at 2 m/s² takes 100 ms; as much again for a busy machine.
         assert!(seen.stopped < 0.6, "{signal}: still driving after {} s", seen.stopped);
         assert!(seen.went < 0.09, "{signal}: {} m", seen.went);
         assert!(seen.ended < 3.0, "{signal}: ended after {} s", seen.ended);
@@ -281,9 +281,17 @@ fn a_console_that_is_left_or_loses_its_terminal_stops_the_robot() {
         assert!(seen.stopped < 0.6, "{end:?}: still driving after {} s", seen.stopped);
         assert!(seen.went < 0.09, "{end:?}: {} m", seen.went);
         assert!(seen.ended < 3.0, "{end:?}: ended after {} s", seen.ended);
-        let record = periplus::journal::read(&place_of(end)).expect("a record");
-        assert!(!record.records.is_empty(), "{end:?}: nothing was kept");
+        assert!(was_told_to_stop(end), "{end:?}: the watchdog stopped the robot, or nobody");
     }
+}
+
+/// Whether the record says that the robot was told to stop, and did: its watchdog is another reason.
+fn was_told_to_stop(end: End) -> bool {
+    let record = periplus::journal::read(&place_of(end)).expect("a record");
+    record.records.iter().any(|record| {
+        let reason = DoneReason::Stopped;
+        matches!(&record.entry, Entry::Telemetry(Telemetry::Done { reason: r, .. }) if *r == reason)
+    })
 }
 
 /// Nobody sees what is written to a terminal that takes nothing: the robot does not drive on alone, and the
@@ -314,13 +322,7 @@ fn a_console_that_is_put_to_sleep_stops_the_robot_and_can_be_woken() {
     assert!(seen.went < 0.09, "{} m", seen.went);
     // Nobody answers what this terminal is asked: it must not be asked anything.
     assert_eq!(seen.status, Some(0));
-    // Not by the watchdog: it was told to, and the record says so.
-    let record = periplus::journal::read(&place_of(End::Suspended)).expect("a record");
-    let stopped = record.records.iter().any(|record| {
-        let reason = DoneReason::Stopped;
-        matches!(&record.entry, Entry::Telemetry(Telemetry::Done { reason: r, .. }) if *r == reason)
-    });
-    assert!(stopped, "the robot was not told to stop");
+    assert!(was_told_to_stop(End::Suspended), "the watchdog stopped the robot, or nobody");
 }
 
 /// However much is said before it at once: a stop does not wait for the next key.

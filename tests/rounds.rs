@@ -5,7 +5,7 @@
 mod common;
 
 use common::mapped;
-use periplus::geometry::angle;
+use periplus::geometry::{Point, angle};
 use periplus::mapping::map::{PartClass, Phase, RoomMap, ShapeClass};
 use periplus::mapping::settings::Settings;
 use periplus::simulator::{NoiseProfile, World};
@@ -83,5 +83,32 @@ fn a_round_room_with_one_contact_off_is_round() {
     for seed in [1, 7] {
         let shape = shape_of(round, seed).shape.expect("a shape");
         assert_eq!((shape.class, shape.parts.len()), (ShapeClass::Circle, 1), "seed {seed}");
+    }
+}
+
+/// Nothing of a round wall tells how far the robot has turned about the middle: things do.
+#[test]
+fn in_a_round_hall_each_column_is_on_the_map_once_and_where_it_is() {
+    let columns = [(-2.52, 3.45), (2.8, -2.2), (0.5, 3.9), (-3.9, -1.2)];
+    let object =
+        |(x, y)| format!("[[objects]]\ncircle = {{ center = [{x}, {y}], radius = 0.15 }}\n");
+    let things: String = columns.map(object).concat();
+    let hall = format!(
+        "name = \"hall\"\nstart = {{ x = 0, y = 0, heading = 0 }}\n[boundary]\n\
+         circle = {{ center = [0, 0], radius = 5 }}\n{things}"
+    );
+    let world = World::from_toml(&hall, "hall", 0.1).expect("a world");
+    // Before, these robots mapped six and eight columns, none of them where one is.
+    for seed in [1, 3] {
+        let settings = Settings { seed, ..Settings::new(world.start) };
+        let map = mapped(&world, settings, NoiseProfile::Calibrated, Phase::Objects);
+        let found: Vec<Point> = map.objects.iter().map(|o| o.outline.middle()).collect();
+        assert_eq!(found.len(), columns.len(), "robot {seed}: {found:?}");
+        for (x, y) in columns {
+            let off = found.iter().map(|at| (at - Point::new(x, y)).norm());
+            let off = off.fold(f64::INFINITY, f64::min);
+            // Within two standard errors: in an hour the gyro walks by almost a degree.
+            assert!(off < 0.15, "robot {seed}: {off} m");
+        }
     }
 }

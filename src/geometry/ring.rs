@@ -40,6 +40,12 @@ impl Ring {
         Self { pieces: vec![Piece::Arc { center, radius, start: 0.0, sweep: angle::TAU }] }
     }
 
+    /// Whether it is one whole circle.
+    #[must_use]
+    pub fn is_circle(&self) -> bool {
+        matches!(self.pieces[..], [Piece::Arc { .. }])
+    }
+
     /// Signed area, square metres; positive when the ring runs counter-clockwise.
     #[must_use]
     pub fn area(&self) -> f64 {

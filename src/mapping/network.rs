@@ -39,6 +39,9 @@ use surface::Surfaces;
 
 /// A contact is of a surface that is no farther off than this, metres: one adjustment after the other.
 pub const WITHIN: [f64; 4] = [0.12, 0.06, CLOSE, CLOSE];
+/// The same in a round room, where a robot that has turned about the middle without knowing it is off across the wall
+/// wherever it comes to it askance: who leaves out what is far off believes all the more of the rest.
+pub const WITHIN_ROUND: [f64; 3] = [0.12, 0.12, 0.06];
 /// The same when the lap alone is driven: its contacts made the outline, and are not far off it.
 pub const WITHIN_LAP: [f64; 2] = [0.06, CLOSE];
 /// What lies on a surface is no farther off than this, metres.

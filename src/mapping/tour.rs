@@ -18,6 +18,7 @@ mod line;
 mod no_passage;
 mod passes;
 mod recognise;
+mod round_room;
 mod rounds;
 mod sureness;
 #[cfg(test)]
@@ -134,6 +135,9 @@ pub struct Tour {
     settled_us: u64,
     /// What it was beside when it doubted its place last, until that is handed out.
     astray: Option<Box<Astray>>,
+    /// Metres travelled when all was adjusted last, and whether that is to be done now.
+    adjusted_at: f64,
+    to_adjust: bool,
 }
 
 /// What comes next.
@@ -143,6 +147,8 @@ pub enum Turn {
     Go(Ask),
     /// The robot is not where it believes it is.
     Astray(Box<Astray>),
+    /// First all that was read is to be adjusted at once.
+    Adjust,
     /// The tour is over.
     Over,
 }
@@ -189,6 +195,8 @@ impl Tour {
             doubts: Vec::new(),
             settled_us: 0,
             astray: None,
+            adjusted_at: f64::NEG_INFINITY,
+            to_adjust: false,
         }
     }
 
@@ -287,11 +295,12 @@ impl Tour {
     pub fn next(&mut self, scene: &mut Scene<'_>) -> Turn {
         match self.decide(scene) {
             Some(ask) => Turn::Go(ask),
+            None if std::mem::take(&mut self.to_adjust) => Turn::Adjust,
             None => self.astray.take().map_or(Turn::Over, Turn::Astray),
         }
     }
 
-    /// The next motion; none when the tour is over, or the robot astray.
+    /// The next motion; none when the tour is over, the robot astray, or all to be adjusted first.
     fn decide(&mut self, scene: &mut Scene<'_>) -> Option<Ask> {
         let mut reason = Some(scene.rest.reason);
         let mut undecided = 0;
@@ -308,6 +317,10 @@ impl Tour {
             match std::mem::replace(&mut self.doing, Doing::Choosing) {
                 Doing::Choosing => {
                     self.follow_survey(scene.survey, scene.map);
+                    if self.is_to_be_adjusted(scene) {
+                        self.to_adjust = true;
+                        return None;
+                    }
                     if let Some(retreat) = self.way_out(scene) {
                         self.doing = Doing::Retreating(retreat);
                         continue;

@@ -4,7 +4,7 @@
 
 use super::phases::REFINED;
 use super::{Mission, Output};
-use crate::geometry::{Piece, Ring, Segment};
+use crate::geometry::{Ring, Segment};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::Contact;
 use crate::mapping::shape::{self, ALL_AROUND, BUT_FOR_ITS_BACK, Enclosed, Loops, Needle, Thing};
@@ -93,13 +93,12 @@ impl Mission {
         // A round room is seen to be round when nothing hangs on it any longer; and where the contacts could
         // only be joined, a fit may be made of what is left.
         let again = (alone || was_joined).then(|| self.fit(Loops::All)).flatten();
-        let is_round = |ring: &Ring| matches!(ring.pieces[..], [Piece::Arc { .. }]);
         let is_same = |ring: &Ring| (ring.area() / rest.area() - 1.0).abs() < REFINED;
         // Where the map ends at a strait nothing was felt, and a fit would draw wall there.
         let joined = was_joined && self.map.beyond.is_empty();
         let is_better = |ring: &Ring| {
             let is_driven_over = is_driven_over(ring, &rest, &self.way, &self.settings.chassis);
-            (is_round(ring) || (joined && is_same(ring))) && !is_driven_over
+            (ring.is_circle() || (joined && is_same(ring))) && !is_driven_over
         };
         again.filter(is_better).unwrap_or(rest)
     }

@@ -307,6 +307,14 @@ impl Mission {
                 self.order(&ask, out);
             }
             Turn::Astray(astray) => self.go_astray(tour, *astray, out),
+            Turn::Adjust => {
+                tour.publish(&self.survey, &mut self.map);
+                if self.adjust_whole(out).is_some() {
+                    self.survey.rebase();
+                    tour.on_adjusted(&self.map, &self.survey);
+                }
+                self.tour(tour, out);
+            }
             Turn::Over => self.end_tour(tour, out),
         }
     }

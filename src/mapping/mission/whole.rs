@@ -5,7 +5,7 @@ use super::{Mission, Output};
 use crate::geometry::{Point, Pose};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::{Contact, PathPoint};
-use crate::mapping::network::{Adjusted, Datum, Given, WITHIN, WITHIN_LAP};
+use crate::mapping::network::{Adjusted, Datum, Given, WITHIN, WITHIN_LAP, WITHIN_ROUND};
 use crate::mapping::shape;
 
 /// That all of it was adjusted.
@@ -19,7 +19,8 @@ impl Mission {
     /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
     /// Nothing moves where it cannot be done to the end; what errors all of it has in common if it was.
     pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
-        self.adjust(&WITHIN, false, out)
+        let is_round = self.map.shape.as_ref().is_some_and(|shape| shape.outline.is_circle());
+        self.adjust(if is_round { &WITHIN_ROUND } else { &WITHIN }, false, out)
     }
 
     /// The same when the lap alone is driven. In a round room, where nothing that was seen tells how far the robot

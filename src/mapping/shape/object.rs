@@ -232,7 +232,7 @@ fn has_spike(ring: &Ring) -> bool {
 /// What the outline of a closed object looks like.
 #[must_use]
 pub fn class_of(ring: &Ring) -> ObjectClass {
-    if matches!(ring.pieces[..], [Piece::Arc { .. }]) {
+    if ring.is_circle() {
         return ObjectClass::Circle;
     }
     let count = ring.pieces.len();

@@ -12,7 +12,7 @@ pub use snapshot::{Ended, Known, PhaseProgress, RobotView, RunState, Snapshot, S
 use crate::mapping::event::{Event, EventKind, Failure, Severity};
 use crate::mapping::map::Phase;
 use crate::mapping::mission::{Mission, Outcome, Output};
-use crate::mapping::settings::Settings;
+use crate::mapping::settings::{MOST_LAPS, Settings};
 use crate::mapping::tape::Tape;
 use crate::robot::{Command, CommandId, DoneReason, Intent, Telemetry};
 use crate::safety::{Gate, Leap, Watch};
@@ -293,15 +293,22 @@ impl Session {
 
     /// Why no other lap can be driven, where none can.
     fn no_lap(&self) -> &'static str {
-        if self.has_to_find_its_place() {
+        if self.run.is_over() {
+            "no lap now: the run is over"
+        } else if self.has_to_find_its_place() {
             "no lap now: the robot has to find its place first"
+        } else if self.mission.settings().laps >= MOST_LAPS {
+            "no lap more: nine are driven at most"
         } else {
-            "no lap now: lines of the plan are driven already, or the run is over"
+            "no lap now: lines of the plan are driven already"
         }
     }
 
     /// Why no lap can be dropped, where none can.
     fn no_lap_dropped(&self) -> &'static str {
+        if self.run.is_over() {
+            return "no lap is dropped: the run is over";
+        }
         if self.has_to_find_its_place() {
             return "no lap is dropped: the robot has to find its place first";
         }

@@ -51,6 +51,17 @@ pub fn unknown_key(key: &str, known: &[&str]) -> String {
     }
 }
 
+/// What the reader of TOML `said`, in plain words where they are known.
+#[must_use]
+pub fn plainly(said: &str) -> &str {
+    match said.trim() {
+        "invalid mantissa, expected digits" => {
+            "a number has digits on both sides of its point, as in 0.2"
+        }
+        other => other,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

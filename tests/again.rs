@@ -130,14 +130,31 @@ fn a_lap_asked_for_while_the_first_is_driven_comes_after_it() {
     assert_eq!(run.snapshot().map.laps, 2);
 }
 
+/// As many laps as `--laps` takes, whoever asks for them; what was asked for the laps that are dropped is dropped.
+#[test]
+fn no_more_laps_are_asked_for_than_there_may_be() {
+    let world = world();
+    let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::None);
+    for _ in 0..12 {
+        run.intent(Intent::LapAgain);
+    }
+    assert_eq!(run.snapshot().settings.laps, 9);
+    assert_eq!(told(&run, |kind| matches!(kind, EventKind::LapsWanted { .. })), 8);
+    let refused =
+        |kind: &EventKind| matches!(kind, EventKind::Refused { why } if why.contains("nine"));
+    assert_eq!(told(&run, refused), 4);
+}
+
 #[test]
 fn a_lap_that_is_dropped_is_driven_anew() {
     let world = world();
     let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::Calibrated);
+    run.intent(Intent::LapAgain);
     step(&mut run);
     step(&mut run);
     assert!(run.snapshot().map.shape.is_some());
     run.intent(Intent::LapAnew);
+    assert_eq!(run.snapshot().settings.laps, 1);
     let map = run.snapshot().map;
     assert!(map.shape.is_none() && !map.closed && map.contacts.is_empty(), "nothing is left of it");
     step(&mut run);

@@ -203,6 +203,14 @@ fn a_file_that_is_neither_world_nor_keymap_is_told_what_was_expected() {
     let told = String::from_utf8_lossy(&output.stdout);
     assert!(told.contains("other.toml:2: `radiuss`: no kind of file has such a key"), "{told}");
     assert!(told.contains("Did you mean `radius`?"), "{told}");
+    fs::write(&file, "stop = [\"x\"]\nquit = [\"y\"]\n").expect("a file");
+    let output = periplus(&["check", file.to_str().expect("a plain path")]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(told.contains("other.toml:1: `stop`: a keymap begins with a line [keys]"), "{told}");
+    fs::write(&file, "# radius = 0.1\n").expect("a file");
+    let output = periplus(&["check", file.to_str().expect("a plain path")]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(told.contains("other.toml: nothing is set in the file"), "{told}");
     fs::write(&file, "colour = \n").expect("a file");
     let output = periplus(&["check", file.to_str().expect("a plain path"), "/nowhere.toml"]);
     let told = String::from_utf8_lossy(&output.stdout);
@@ -461,6 +469,7 @@ fn what_does_not_fit_the_room_is_refused_before_anything_is_written() {
         (&["--start", "0.01,1,0"], &["--start"]),
         (&["--chassis", "/nowhere/robot.toml"], &["/nowhere/robot.toml"]),
         (&["--resume", "a"], &["--resume", "cannot be used with", "--out"]),
+        (&["--tape", "0,0:4,0=4.0", "--until", "boundary"], &["until: shape at least", "--tape"]),
     ];
     for (more, words) in cases {
         let arguments = [&["run", "--world", world, "--out", to], *more].concat();

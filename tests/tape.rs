@@ -9,8 +9,10 @@ use periplus::mapping::map::{Phase, RoomMap};
 use periplus::mapping::settings::Settings;
 use periplus::mapping::tape::Tape;
 use periplus::robot::Intent;
+use periplus::runtime::simulated::SimulatedRun;
 use periplus::session::snapshot::RunState;
 use periplus::simulator::{NoiseProfile, World};
+use std::io::Sink;
 
 const ROOM: &str = include_str!("../sims/rectangle.toml");
 
@@ -52,6 +54,25 @@ fn a_tape_held_elsewhere_changes_nothing() {
     let (plain, odd) = (mapped(1, None), mapped(1, Some(held((0.0, 0.0), (5.0, 0.0), 3.0))));
     assert_eq!(odd.taped, None);
     assert_eq!(plain.shape, odd.shape);
+}
+
+/// The last one counts, and whoever reads the log is told that the one before does not.
+#[test]
+fn another_tape_takes_the_place_of_the_first() {
+    let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");
+    let settings = Settings { seed: 1, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::Raw);
+    let tell = |run: &mut SimulatedRun<Sink>, (from, to, length)| {
+        let Tape { from, to, length } = held(from, to, length);
+        run.intent(Intent::SetTape { from, to, length });
+    };
+    tell(&mut run, ((0.0, 0.0), (5.0, 0.0), 5.01));
+    tell(&mut run, ((0.0, 0.0), (0.0, 4.0), 4.0));
+    let told: Vec<String> =
+        run.session().events().iter().map(|event| event.kind.to_string()).collect();
+    let replaced = "the taped length of 5.010 m counts no longer: another one is given";
+    assert_eq!(told.iter().filter(|text| *text == replaced).count(), 1, "{told:?}");
+    assert_eq!(run.snapshot().settings.tape.map(|tape| tape.length), Some(4.0));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! key names the nearest known one. Knows no particular key.
 
 use super::ArgumentError;
-use crate::spelling::unknown_key;
+use crate::spelling::{plainly, unknown_key};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -46,6 +46,11 @@ impl SettingsFile {
         }
     }
 
+    /// Whether there is nothing in it, not even a remark.
+    pub fn is_blank(&self) -> bool {
+        self.text.trim().is_empty()
+    }
+
     /// The file's table.
     ///
     /// # Errors
@@ -53,7 +58,7 @@ impl SettingsFile {
     pub fn table(&self) -> Result<Spanned<DeTable<'_>>, ArgumentError> {
         DeTable::parse(&self.text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
-            self.problem(self.line(at), error.message())
+            self.problem(self.line(at), plainly(error.message()))
         })
     }
 

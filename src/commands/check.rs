@@ -69,6 +69,12 @@ fn toml(path: &Path) -> Result<String, String> {
     if has("keys") {
         return glue::check_keymap(path);
     }
+    if !keys.is_empty() && keys.iter().all(|entry| glue::is_action(&entry.key)) {
+        let why = "a keymap begins with a line [keys]: put it above this one";
+        return keys
+            .first()
+            .map_or(Ok(String::new()), |first| Err(file.bad(first, why).to_string()));
+    }
     if keys.iter().any(|entry| chassis::has(&entry.key)) {
         let body = chassis::read(path).map_err(|error| error.to_string())?;
         let switches = crate::wording::count(body.sensors.len(), "switch", "switches");
@@ -82,7 +88,8 @@ fn toml(path: &Path) -> Result<String, String> {
         return read.map(|_| format!("config, {settings}")).map_err(|error| error.to_string());
     }
     let Some(first) = keys.first() else {
-        return Err(format!("{}: the file is empty", path.display()));
+        let why = if file.is_blank() { "the file is empty" } else { "nothing is set in the file" };
+        return Err(format!("{}: {why}", path.display()));
     };
     // One letter in its only key hides what a file is to be.
     let worlds = ["boundary", "objects", "keys"].into_iter();

@@ -4,6 +4,7 @@
 use super::CommandError;
 use super::ending::Kept;
 use crate::cli::{Common, FrameFormat, FrameSize, ScreenFlags, SnapshotArgs, ThemeName};
+use crate::console::action::Action;
 use crate::console::app::{self, Options};
 use crate::console::driver::Driver;
 use crate::console::model::Model;
@@ -32,6 +33,12 @@ pub fn check_keymap(path: &Path) -> Result<String, String> {
             without.join(", ")
         ),
     })
+}
+
+/// Whether a keymap may give keys to something of this name.
+#[must_use]
+pub fn is_action(name: &str) -> bool {
+    Action::named(name).is_some()
 }
 
 /// A run in the simulator, ready to be driven; it keeps the record.

@@ -19,6 +19,11 @@ pub fn run(args: RunArgs) -> Result<u8, CommandError> {
 fn map(args: RunArgs, told: Told) -> Result<u8, CommandError> {
     let (common, places) = args.common.with_config()?;
     let until = args.until.or(places.until);
+    if common.mapping.tape.is_some() && until == Some(Phase::Boundary) {
+        let why =
+            "until: shape at least with --tape, which is laid on walls, and they are fitted then";
+        return Err(CommandError::Input(why.to_owned()));
+    }
     let keeping = &common.keeping;
     let out = keeping.resume.clone().or(keeping.out.clone());
     let out = out.ok_or_else(|| missing(told, "--out DIR"))?;

@@ -60,7 +60,11 @@ pub async fn run(
     clock: &mut dyn Clock,
 ) -> Result<Ending, ConsoleError> {
     let mut guard = Guard::take()?;
-    let result = turn(driver, options, clock, &mut guard).await;
+    let mut result = turn(driver, options, clock, &mut guard).await;
+    // A terminal that hangs up cannot be used either: what it was told by comes first.
+    if let (Err(ConsoleError::Terminal(_)), Some(signal)) = (&result, clock.signal()) {
+        result = Ok(Ending::Signal(signal));
+    }
     // Whatever ended it: nothing moves without an operator.
     driver.intent(Intent::Stop);
     driver.advance(0.5);

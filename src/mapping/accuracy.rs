@@ -34,7 +34,7 @@ const LEAST_ANGLE: f64 = 0.1;
 pub struct Accuracy {
     /// Of each piece of the outline, across it at its middle.
     pub walls: Vec<f64>,
-    /// Of the corner at which each piece begins: root of the sum of the variances in x and y.
+    /// Of the corner at which each piece begins: root of the sum of the variances in x and y. None of a circle.
     pub corners: Vec<f64>,
     /// Of each object's place, likewise.
     pub objects: Vec<f64>,
@@ -78,7 +78,8 @@ impl Judge<'_> {
             let across = perp(piece.tangent(0.5));
             (across.dot(&(of_lap(piece.at(0.5)) * across)) + fit.middle).max(0.0).sqrt()
         });
-        let count = outline.pieces.len();
+        // A whole circle begins at no corner.
+        let count = if outline.is_circle() { 0 } else { outline.pieces.len() };
         let corners = (0..count).map(|k| {
             let before = (k + count - 1) % count;
             let (a, b) = (&outline.pieces[before], &outline.pieces[k]);

@@ -217,6 +217,11 @@ pub enum EventKind {
         /// What the tape said, metres.
         taped: f64,
     },
+    /// Another length was taped: this one counts no longer.
+    TapeReplaced {
+        /// What the tape said, metres.
+        taped: f64,
+    },
     /// A taped length is too far from the mapped one to be the same.
     TapeRefused {
         /// The length on the map, metres.

@@ -105,6 +105,8 @@ pub struct Mission {
     idle: Idle,
     began: bool,
     laps: u32,
+    /// Laps that were asked for before the run.
+    laps_asked: u32,
     lost: Option<Lost>,
     /// How often it doubted its place and did not find it, since it found it last: walls that lie where they have
     /// to in between do not begin the count anew, since a robot that doubts again was somewhere else all the same.
@@ -145,6 +147,7 @@ impl Mission {
             idle: Idle::default(),
             began: false,
             laps: 0,
+            laps_asked: settings.laps,
             lost: None,
             unfound: 0,
             way: Vec::new(),

@@ -194,7 +194,12 @@ impl OutputFolder {
         (!names.is_empty()).then(|| {
             let (names, reasons) = (names.join(", "), reasons.join("; "));
             let folder = self.path.display();
-            format!("{folder}: not written whole: {names} ({reasons}); is there room on the disk?")
+            let advice = if self.path.exists() {
+                "is there room on the disk?"
+            } else {
+                "the folder is no longer there"
+            };
+            format!("{folder}: not written whole: {names} ({reasons}); {advice}")
         })
     }
 

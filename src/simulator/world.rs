@@ -252,6 +252,28 @@ mod tests {
                 "100 km",
             ),
             (format!("{START}[boundary]\nvertices = [[0,0],[4,0],[4,4\n"), "room.toml:3"),
+            (format!("name = 3\n{START}{square}"), "1: `name` is 3, and should be text in quotes"),
+            (
+                format!("start = {{ x = \"0\", y = 1 }}\n{square}"),
+                "1: `start.x` is \"0\", and should be a number",
+            ),
+            (format!("start = {{ x = 0.5 }}\n{square}"), "1: `start` has no `y`"),
+            (
+                format!("{START}[boundary]\nvertices = [[0,0],[\"a\",0],[4,4]]\n"),
+                "3: `boundary.vertices[1][0]` is \"a\", and should be a number",
+            ),
+            (
+                format!("{START}{square}[objects]\nname = \"box\"\n"),
+                "4: `objects` is a table, and should be a list; each object begins with [[objects]]",
+            ),
+            (
+                format!("{START}{square}[[objects]]\ncircle = {{ center = [1], radius = 1 }}\n"),
+                "`objects[0].circle.center` has 1 of its 2 numbers",
+            ),
+            (
+                format!("{START}[boundary]\ncircle = {{ center = [0, 0], radius = .2 }}\n"),
+                "3: a number has digits on both sides of its point",
+            ),
         ];
         for (text, word) in table {
             let error = toml(&text).expect_err(&text).to_string();

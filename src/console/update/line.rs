@@ -1,6 +1,9 @@
 //! What the command line does: a key to the line that is typed, and a line that was entered to the run.
 
-use super::{Effect, not_answered, only_looked_at, perform, refuse, set_alpha, set_speed};
+use super::{
+    Effect, is_nowhere, not_answered, only_looked_at, perform, refuse, set_alpha, set_speed,
+};
+use crate::console::action::Action;
 use crate::console::command::{Command, CommandError};
 use crate::console::key::Key;
 use crate::console::model::{Model, Overlay};
@@ -9,7 +12,7 @@ use crate::console::view::list::wall_name;
 use crate::geometry::{Piece, Point};
 use crate::mapping::tape::Tape;
 use crate::robot::Intent;
-use crate::session::snapshot::Snapshot;
+use crate::session::snapshot::{RunState, Snapshot};
 
 /// A key was pressed while a command is typed.
 pub(super) fn press(
@@ -57,6 +60,11 @@ pub(super) fn obey(model: &mut Model, snapshot: &Snapshot, command: Command) -> 
             let at = near.position;
             refuse(model, format!("{:.2},{:.2} lies outside the room", at.x, at.y))
         }
+        Command::Placed(Some(_)) if drops_a_lap(snapshot) && snapshot.run != RunState::Stopped => {
+            let stop = model.keymap.way(Action::Stop);
+            let why = "where the robot is put, the lap so far is dropped and begins anew";
+            refuse(model, format!("{why}: {stop} stops first, then say it again"))
+        }
         Command::Placed(near) => vec![Effect::Intent(Intent::Placed { near })],
         Command::Speed(speed) => set_speed(model, snapshot, |_| speed),
         Command::Export(dir) => vec![Effect::Export(dir)],
@@ -80,6 +88,12 @@ fn tape_of(snapshot: &Snapshot, wall: usize, length: f64) -> Result<Tape, String
             Tape { from, to, length }.checked().map_err(|error| error.to_string())
         }
     }
+}
+
+/// Whether walls are known that hang on nothing but where the robot has been since: the first lap is under way.
+fn drops_a_lap(snapshot: &Snapshot) -> bool {
+    let met = !snapshot.map.contacts.is_empty();
+    !snapshot.map.closed && met && !is_nowhere(snapshot)
 }
 
 /// Whether the room is known and a place is not in it.

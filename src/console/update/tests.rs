@@ -6,7 +6,7 @@ use crate::console::Keymap;
 use crate::console::command::Command;
 
 use crate::geometry::{Point, Pose};
-use crate::mapping::map::{Plan, PlanFigures};
+use crate::mapping::map::{Contact, ContactKind, Plan, PlanFigures};
 use crate::mapping::settings::{Settings, Strategy};
 use crate::robot::SwitchSet;
 use crate::session::snapshot::RobotView;
@@ -112,6 +112,30 @@ fn in_a_replay_there_is_no_robot_to_ask_about() {
         Overlay::Line("at  ".into()),
         "a name that is typed keeps its spaces"
     );
+}
+
+/// The first lap hangs on nothing but where the robot has been since: it is not dropped by one line of text.
+#[test]
+fn a_robot_is_not_put_elsewhere_on_its_first_lap_before_it_was_stopped() {
+    let (mut model, mut snapshot) = waiting();
+    snapshot.robot = Known::Known(at_rest());
+    let near = Some(Pose::new(1.0, 1.0, 0.0));
+    let placed = [Effect::Intent(Intent::Placed { near })];
+    let put = |model: &mut Model, snapshot: &Snapshot| obey(model, snapshot, Command::Placed(near));
+    assert_eq!(put(&mut model, &snapshot), placed, "nothing was met yet");
+    let contact = Contact {
+        point: Point::new(1.0, 0.0),
+        from: Point::new(1.0, 0.2),
+        sensor: Some(0),
+        time: 1.0,
+        kind: ContactKind::Range,
+    };
+    snapshot.map.contacts.push(contact);
+    assert!(put(&mut model, &snapshot).is_empty(), "the lap is dropped");
+    let said = &model.hint.as_ref().expect("a remark").text;
+    assert!(said.contains("the lap so far is dropped") && said.contains("space stops"), "{said}");
+    (snapshot.run, snapshot.latched) = (RunState::Stopped, true);
+    assert_eq!(put(&mut model, &snapshot), placed);
 }
 
 /// A real robot's keeper may be busy, with a plan: what it was asked for is not in the picture yet.

@@ -68,7 +68,7 @@ fn walls(map: &RoomMap) -> Vec<Line> {
         .filter_map(|gap| gap.piece_of(outline))
         .collect();
     let errors = map.accuracy.as_ref();
-    let mut lines = vec![heading("Walls      length              begins at")];
+    let mut lines = vec![heading("Walls      length  across it   begins at")];
     for (k, piece) in outline.pieces.iter().enumerate() {
         let is_gap = untouched.contains(&k);
         let role = if is_gap { Role::Untouched } else { Role::Wall };
@@ -82,7 +82,7 @@ fn walls(map: &RoomMap) -> Vec<Line> {
         let (length, from) = (piece.length(), place(piece.from()));
         lines.push(vec![
             (role, format!("  {:<5}", wall_name(k))),
-            (Role::Value, format!("{length:>7.3} m ")),
+            (Role::Value, format!("{length:>7.3} m  ")),
             (Role::Text, format!("{:<8}", give_or_take(across))),
             (Role::Value, from),
             (Role::Text, format!(" {:<8}", give_or_take(corner))),

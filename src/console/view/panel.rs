@@ -235,12 +235,13 @@ fn map_rows(snapshot: &Snapshot) -> Vec<Row> {
         rows.push(figures("", what, Role::Text).spare(4));
     }
     if let Some(accuracy) = &map.accuracy
-        && let Some((_, worst)) = accuracy.worst_corner()
+        && let Some(median) = wording::median(&accuracy.walls)
     {
-        let median = wording::median(&accuracy.walls).unwrap_or(worst);
         rows.push(row("± walls", wording::error(median), Role::Text));
-        let worst = vec![format!("± {}", wording::error(worst)), "at worst".to_owned()];
-        rows.push(figures("corners", worst, Role::Text).spare(3));
+        if let Some((_, worst)) = accuracy.worst_corner() {
+            let worst = vec![format!("± {}", wording::error(worst)), "at worst".to_owned()];
+            rows.push(figures("corners", worst, Role::Text).spare(3));
+        }
         if let Some(datum) = &accuracy.datum {
             let whole =
                 vec![format!("{},", wording::turn_error(datum.turn)), wording::error(datum.shift)];

@@ -44,7 +44,8 @@ struct SquaredFigures {
 #[derive(Serialize)]
 struct ErrorFigures {
     walls: Spread,
-    corners: Spread,
+    /// None of a circle.
+    corners: Option<Spread>,
     /// What all of the map has in common of them, and what is left within it.
     #[serde(skip_serializing_if = "Option::is_none")]
     whole_map: Option<DatumFigures>,
@@ -141,7 +142,7 @@ fn errors(accuracy: &Accuracy) -> Option<ErrorFigures> {
         shift_m: rounded(datum.shift, 4),
         within_median_m: rounded(datum.within, 4),
     });
-    Some(ErrorFigures { walls: of(&accuracy.walls)?, corners: of(&accuracy.corners)?, whole_map })
+    Some(ErrorFigures { walls: of(&accuracy.walls)?, corners: of(&accuracy.corners), whole_map })
 }
 
 fn misclosure(off: &Misclosure) -> MisclosureFigures {

@@ -116,6 +116,9 @@ fn tape(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
         EventKind::TapeNoted { taped } => {
             write!(f, "taped length noted: {taped:.3} m; it counts once the shape is found")
         }
+        EventKind::TapeReplaced { taped } => {
+            write!(f, "the taped length of {taped:.3} m counts no longer: another one is given")
+        }
         EventKind::TapeNowhere => write!(f, "{}", Untaped::Nowhere),
         EventKind::TapeVague => write!(f, "{}", Untaped::Vague),
         _ => Ok(()),
@@ -358,7 +361,7 @@ fn fixes(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
             let sd = millimetres(sd).ceil();
             write!(
                 f,
-                "{which} is placed to {sd:.0} mm only: measuring it from what it stands beside"
+                "{which} is known to {sd:.0} mm only from what it stands beside: measuring that"
             )
         }
         EventKind::GoesOn { diameter } => write!(
@@ -426,6 +429,7 @@ impl fmt::Display for EventKind {
             Self::TapeLaid { .. }
             | Self::TapeRefused { .. }
             | Self::TapeNoted { .. }
+            | Self::TapeReplaced { .. }
             | Self::TapeNowhere
             | Self::TapeVague => tape(f, self),
             Self::LineBegan { id, backwards: false } => write!(f, "line L{id} begins"),

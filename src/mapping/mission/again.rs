@@ -8,6 +8,7 @@ use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::network::Network;
 use crate::mapping::retrace::{Along, Retrace};
 use crate::mapping::search::Search;
+use crate::mapping::settings::MOST_LAPS;
 use crate::mapping::shape;
 
 impl Mission {
@@ -28,8 +29,11 @@ impl Mission {
     }
 
     /// One lap more: at once when one has closed, else as soon as it has. False when lines of the plan
-    /// are driven already, or nothing is.
+    /// are driven already, nothing is, or there are as many laps as there may be.
     pub fn lap_again(&mut self, out: &mut Vec<Output>) -> bool {
+        if self.settings.laps >= MOST_LAPS {
+            return false;
+        }
         if matches!(self.task, Task::Search(_) | Task::Retrace(_)) {
             self.settings.laps += 1;
             self.tell(EventKind::LapsWanted { laps: self.settings.laps }, out);
@@ -77,6 +81,8 @@ impl Mission {
         self.tracker.begin_anew(here);
         self.network = Network::new(here);
         self.laps = 0;
+        // What was asked for before the run counts, and not what was for the laps that are dropped.
+        self.settings.laps = self.laps_asked;
         self.task = Task::Search(Box::new(Search::new(&self.settings, here)));
         self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
         self.tell(EventKind::BegunAnew { dropped }, out);

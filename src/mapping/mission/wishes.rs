@@ -60,7 +60,9 @@ impl Mission {
         if !self.plan_is_open() {
             return false;
         }
-        self.settings.tape = Some(tape);
+        if let Some(before) = self.settings.tape.replace(tape) {
+            self.tell(EventKind::TapeReplaced { taped: before.length }, out);
+        }
         // A lap under way is beside walls as they were mapped.
         if self.map.shape.is_none() || matches!(self.task, Task::Retrace(_)) {
             self.tell(EventKind::TapeNoted { taped: tape.length }, out);

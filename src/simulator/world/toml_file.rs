@@ -2,9 +2,11 @@
 
 use super::{Draft, World, WorldError, WorldObject, outline};
 use crate::geometry::{Pose, Ring};
-use crate::spelling::unknown_key;
+use crate::spelling::{plainly, unknown_key};
 use crate::wording::count;
 use serde::Deserialize;
+use serde_path_to_error::Segment;
+use std::fmt::Write;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -48,7 +50,11 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
             "the file is empty; a world needs start and [boundary]",
         ));
     }
-    let file: File = toml::from_str(text).map_err(|why| syntax(&why, text, place))?;
+    let read = toml::Deserializer::parse(text).map_err(|why| syntax(&why, "", text, place))?;
+    let file: File = serde_path_to_error::deserialize(read).map_err(|why| {
+        let key = key(why.path());
+        syntax(why.inner(), &key, text, place)
+    })?;
     let missing = |key: &str, example: &str| {
         WorldError::new(place, format!("`{key}` is missing; write for example {example}"))
     };
@@ -127,7 +133,54 @@ fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
     }
 }
 
-fn syntax(why: &toml::de::Error, text: &str, place: &str) -> WorldError {
+/// The key at `path` as people write it.
+fn key(path: &serde_path_to_error::Path) -> String {
+    let mut key = String::new();
+    for segment in path {
+        let written = match segment {
+            // How the reader keeps places of the text is its own affair.
+            Segment::Map { key: name } if name.starts_with('$') => Ok(()),
+            Segment::Map { key: name } if key.is_empty() => write!(key, "{name}"),
+            Segment::Map { key: name } => write!(key, ".{name}"),
+            Segment::Seq { index } => write!(key, "[{index}]"),
+            Segment::Enum { .. } | Segment::Unknown => Ok(()),
+        };
+        debug_assert!(written.is_ok(), "a text takes all that is written to it");
+    }
+    key
+}
+
+/// What the reader `said` of the value at `key`, in the words of those who write worlds; none where its own will do.
+fn mistake(said: &str, key: &str) -> Option<String> {
+    if let Some(missing) = said.strip_prefix("missing field ") {
+        return Some(format!("`{key}` has no {missing}"));
+    }
+    if let Some((length, wanted)) = said
+        .strip_prefix("invalid length ")
+        .and_then(|rest| rest.split_once(", expected an array of length "))
+    {
+        return Some(format!("`{key}` has {length} of its {wanted} numbers"));
+    }
+    let (found, wanted) = said.strip_prefix("invalid type: ")?.split_once(", expected ")?;
+    let value = found.split('`').nth(1);
+    let found = match (found, value) {
+        ("map", _) => "a table",
+        ("sequence", _) => "a list",
+        (_, Some(value)) => value,
+        (text, None) => text.strip_prefix("string ").unwrap_or(text),
+    };
+    let wanted = match wanted {
+        "a sequence" if key == "objects" => "a list; each object begins with [[objects]]",
+        "a sequence" => "a list in [ ]",
+        "a string" => "text in quotes",
+        "f64" => "a number",
+        table if table.starts_with("struct ") => "a table of keys",
+        other => other,
+    };
+    Some(format!("`{key}` is {found}, and should be {wanted}"))
+}
+
+fn syntax(why: &toml::de::Error, key: &str, text: &str, place: &str) -> WorldError {
     let line = why.span().map_or(1, |span| line(text, span.start));
     let mut what = why.message().trim().replace('\n', " ");
     // The reader names the key, and then those that it knows at that place, each in backticks.
@@ -136,5 +189,6 @@ fn syntax(why: &toml::de::Error, text: &str, place: &str) -> WorldError {
         let known: Vec<&str> = rest.split('`').skip(2).step_by(2).collect();
         what = unknown_key(unknown, &known);
     }
+    what = mistake(&what, key).unwrap_or_else(|| plainly(&what).to_owned());
     WorldError::new(format!("{place}:{line}"), what)
 }

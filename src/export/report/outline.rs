@@ -12,7 +12,7 @@ use serde::Serialize;
 pub(super) struct Boundary {
     perimeter_m: f64,
     area_m2: f64,
-    /// Closed laps, those round objects met in the search included.
+    /// Laps that closed in the search for the boundary, those round objects included.
     laps: u32,
     /// How many laps the boundary is the mean of.
     averaged_laps: u32,

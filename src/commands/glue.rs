@@ -127,7 +127,9 @@ pub fn console(
     if unfinished && kept == Kept::Whole {
         // A line each that an 80 column terminal does not break in the middle of a word.
         super::output::say("periplus: the run was not finished: the map is as far as it went");
-        super::output::say("periplus: a simulated run cannot be resumed, only run again with its seed");
+        super::output::say(
+            "periplus: a simulated run cannot be resumed, only run again with its seed",
+        );
     }
     Ok(status_of(ended, status))
 }

@@ -419,6 +419,10 @@ impl Session {
 
     fn happened(&mut self, event: Event, out: &mut Vec<Outgoing>) {
         if let EventKind::PhaseBegan { phase } = event.kind {
+            if phase > self.until && self.progress[self.until as usize].done {
+                // The run ends before it.
+                return;
+            }
             // After another lap the later phases come again.
             for progress in &mut self.progress[phase as usize..] {
                 progress.done = false;

@@ -426,6 +426,10 @@ fn a_boundary_without_a_shape_is_as_long_as_its_wall() {
     // The map is not complete, and nobody says so.
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.starts_with("complete: boundary phase done, no further was asked for"), "{said}");
+    // The log says that the run was to end here, and not first that the next phase begins.
+    let record = fs::read_to_string(out.join("journal")).expect("a record");
+    let begins = |phase: &str| record.contains(&format!(r#""phase_began","phase":"{phase}""#));
+    assert!(begins("boundary") && !begins("shape"), "a phase begins that nobody asked for");
     let report = fs::read_to_string(out.join("report.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
     assert_eq!(report["world"], "the east wing");

@@ -319,6 +319,7 @@ mod tests {
     fn geojson_mistakes_name_the_feature() {
         let cases = [
             ("{}", "FeatureCollection"),
+            (" []", "a list; a GeoJSON FeatureCollection begins with {"),
             (r#"{"type":"FeatureCollection","features":[]}"#, "boundary"),
             (
                 r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"wall"},"geometry":{"type":"Point","coordinates":[0,0]}}]}"#,

@@ -45,6 +45,10 @@ const TOLD_BY_A_MAP: [&str; 8] = [
 ];
 
 pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
+    // The reader would take a list for the fields of a collection, in their order.
+    if text.trim_start().starts_with('[') {
+        return Err(WorldError::new(place, "a list; a GeoJSON FeatureCollection begins with {"));
+    }
     let file: Collection = serde_json::from_str(text)
         .map_err(|why| WorldError::new(place, format!("not GeoJSON: {why}")))?;
     if file.kind.as_deref() != Some("FeatureCollection") {

@@ -255,6 +255,8 @@ fn check_knows_each_kind_of_file_and_begins_with_its_name() {
     assert!(!chassis.contains("sent at"), "it stands in time: {chassis}");
     let (status, weak) = told("b.toml", b"acceleration = 0.1\n");
     assert!(status == Some(0) && weak.contains("sent at 0.07 m/s, not 0.20"), "{weak}");
+    let (status, config) = told("c.toml", b"square = true\n");
+    assert!(status == Some(0) && config.contains("ok, config"), "{config}");
     let (status, config) = told("c.toml", b"seed = 3\nalpha = 0.3\nstart = [1, 1, 90]\n");
     assert!(status == Some(0) && config.contains("ok, config"), "{config}");
 }

@@ -248,7 +248,7 @@ fn signals_stop_the_robot_and_end_the_program() {
     for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let seen = ended_by(End::Signal(signal));
         assert_eq!(seen.status, Some(status), "{signal}");
-        // 100 ms to the stop, and braking from 0.2 m/s at 2 m/s² takes 100 ms; as much again for a busy machine.
+        // 100 ms to the stop, and braking from 0.2 m/s at 2 m/s² takes 100 ms; the rest is for a busy machine.
         assert!(seen.stopped < 0.6, "{signal}: still driving after {} s", seen.stopped);
         assert!(seen.went < 0.09, "{signal}: {} m", seen.went);
         assert!(seen.ended < 3.0, "{signal}: ended after {} s", seen.ended);

@@ -69,7 +69,9 @@ fn toml(path: &Path) -> Result<String, String> {
     if has("keys") {
         return glue::check_keymap(path);
     }
-    if !keys.is_empty() && keys.iter().all(|entry| glue::is_action(&entry.key)) {
+    // What may be set in a config as well is one.
+    let is_binding = |entry: &Entry<'_>| glue::is_action(&entry.key);
+    if keys.iter().all(is_binding) && keys.iter().any(|entry| !config::has(&entry.key)) {
         let why = "a keymap begins with a line [keys]: put it above this one";
         return keys
             .first()

@@ -69,6 +69,8 @@ const LEAST_SHARE: f64 = 0.9;
 const MOST_STRAIN: f64 = 1.2;
 /// Nor is a pose that moves by more than this, metres.
 const FARTHEST: f64 = 1.0;
+/// The same in a round room, where a turn that nothing told moves all that was driven since.
+const FARTHEST_ROUND: f64 = 4.0;
 
 /// All that the robot read since it stood at `start`.
 #[derive(Debug, Clone)]
@@ -208,7 +210,9 @@ impl Network {
         let (errors, strain) = (unknowns.errors(), robot.strain(&read, &unknowns));
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
-        let sane = before.iter().zip(&after).map(moved).all(|moved| moved < FARTHEST);
+        let is_round = given.map.shape.as_ref().is_some_and(|shape| shape.outline.is_circle());
+        let farthest = if is_round { FARTHEST_ROUND } else { FARTHEST };
+        let sane = before.iter().zip(&after).map(moved).all(|moved| moved < farthest);
         let agreed = used as f64 >= LEAST_SHARE * seen as f64;
         let worst = if afar { WORST_FROM_AFAR } else { WORST_FIT };
         if used < FEWEST || !agreed || misfit > worst || strain > MOST_STRAIN || !sane {

@@ -136,7 +136,7 @@ pub struct Tour {
     /// What it was beside when it doubted its place last, until that is handed out.
     astray: Option<Box<Astray>>,
     /// Metres travelled when all was adjusted last, and whether that is to be done now.
-    adjusted_at: f64,
+    adjusted_at: Option<f64>,
     to_adjust: bool,
 }
 
@@ -195,7 +195,7 @@ impl Tour {
             doubts: Vec::new(),
             settled_us: 0,
             astray: None,
-            adjusted_at: f64::NEG_INFINITY,
+            adjusted_at: None,
             to_adjust: false,
         }
     }

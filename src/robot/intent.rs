@@ -55,3 +55,11 @@ pub enum Intent {
     /// The run is over: stop and keep what is known.
     Finish,
 }
+
+impl Intent {
+    /// Whether the robot may move by it.
+    #[must_use]
+    pub fn sets_going(self) -> bool {
+        matches!(self, Self::Run | Self::StepCommand | Self::StepEvent | Self::StepPhase)
+    }
+}

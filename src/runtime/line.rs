@@ -67,7 +67,7 @@ struct Shown {
     failure: Mutex<Option<String>>,
     /// Of the picture that is there, not of the state behind it.
     version: AtomicU64,
-    /// So many wishes were followed, or refused, when that picture was made.
+    /// So often the robot had been told to go on, and that was followed or refused, when that picture was made.
     followed: AtomicU64,
     /// Somebody looks, and would see a newer picture.
     wanted: AtomicBool,
@@ -78,7 +78,7 @@ struct Shown {
 /// A robot at the end of a line, kept by a thread.
 pub struct Line {
     requests: UnboundedSender<Request>,
-    /// So many wishes were given.
+    /// So often the robot was told to go on.
     wishes: AtomicU64,
     shown: Arc<Shown>,
     watch: Stopwatch,
@@ -189,11 +189,11 @@ impl Line {
 
     /// Gives the robot's keeper a wish of the operator; never waits.
     pub fn intent(&self, intent: Intent) {
-        self.wishes.fetch_add(1, Ordering::AcqRel);
+        self.wishes.fetch_add(u64::from(intent.sets_going()), Ordering::AcqRel);
         let _ = self.requests.send(Request::Intent(intent));
     }
 
-    /// Whether a wish was given that the newest picture knows nothing of.
+    /// Whether the robot was told to go on, and the newest picture knows nothing of it.
     #[must_use]
     pub fn is_behind(&self) -> bool {
         self.shown.wanted.store(true, Ordering::Release);
@@ -283,7 +283,7 @@ struct Keeper {
     watch: Stopwatch,
     shown: Arc<Shown>,
     asked: Requests,
-    /// So many wishes were followed or refused.
+    /// So often it was told so, and that was followed or refused.
     followed: u64,
     syncing: Option<Syncing>,
     progress_due: f64,
@@ -354,7 +354,7 @@ impl Keeper {
             Some(&Request::Intent(intent)) => {
                 let now = self.now();
                 self.run.intent(intent, now);
-                self.followed += 1;
+                self.followed += u64::from(intent.sets_going());
                 false
             }
             Some(Request::StopAhead) => {

@@ -166,7 +166,9 @@ impl<W: Write> LiveRun<W> {
         if let Some((_, why)) = self.refused.take_if(|(due, _)| now >= *due) {
             self.end(Outcome::Failed, format!("the robot refused a command: {why}"));
         }
-        self.hand_record_on();
+        if !self.host.is_stopping() {
+            self.hand_record_on();
+        }
         if let Some(error) = self.record_error() {
             self.unrecorded(&error, now);
         }

@@ -154,7 +154,7 @@ pub struct Snapshot {
     /// In words why the playback goes no further, and what to do; none before it stands at the end of the record,
     /// and where the run was over there.
     pub record_end: Option<String>,
-    /// Something was asked for that is not in this picture yet: the robot may be about to move, or to stop.
+    /// The robot was told to go on, and that is not in this picture yet.
     pub asked: bool,
 }
 

@@ -145,10 +145,16 @@ impl Host {
         self.identity.as_ref()
     }
 
-    /// Whether motions may be sent: the line has been there for a while.
+    /// Whether motions may be sent: the line has been there for a while, and no stop is on its way.
     #[must_use]
     pub fn is_sound(&self, now: f64) -> bool {
-        self.health == Health::Up && now - self.clean >= CLEAN
+        self.health == Health::Up && now - self.clean >= CLEAN && self.stop.is_none()
+    }
+
+    /// Whether a stop waits to be written.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        !self.urgent.is_empty()
     }
 
     /// Whether every stop was acknowledged and no motion is in hand.

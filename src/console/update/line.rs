@@ -93,7 +93,7 @@ fn tape_of(snapshot: &Snapshot, wall: usize, length: f64) -> Result<Tape, String
 /// Whether walls are known that hang on nothing but where the robot has been since: the first lap is under way.
 fn drops_a_lap(snapshot: &Snapshot) -> bool {
     let met = !snapshot.map.contacts.is_empty();
-    !snapshot.map.closed && met && !is_nowhere(snapshot)
+    !snapshot.map.closed && met && !is_nowhere(snapshot) && !snapshot.run.is_over()
 }
 
 /// Whether the room is known and a place is not in it.

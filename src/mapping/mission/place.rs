@@ -80,7 +80,7 @@ impl Mission {
         let dropped = std::mem::take(&mut self.map.objects).len();
         self.tracker.begin_anew(from);
         self.network = Network::new(from);
-        self.laps = 0;
+        (self.laps, self.settings.laps) = (0, self.laps_asked);
         self.lost = None;
         self.task = Task::Search(Box::new(Search::new(&self.settings, from)));
         self.tell(EventKind::BegunAnew { dropped }, out);

@@ -9,29 +9,37 @@
 
 use super::{Scene, Tour};
 use crate::mapping::chart::Chart;
+use crate::mapping::floor::Coverage;
 use crate::mapping::map::RoomMap;
 use crate::mapping::survey::Survey;
+use crate::mapping::wall::Wall;
 
 /// After so many metres all is adjusted anew: a gyro that drifts by 20 degrees an hour turns by half a degree
 /// meanwhile, and places 5 m off the middle move by less than the thinnest column.
 const EVERY: f64 = 20.0;
 
 impl Tour {
-    /// Whether all is to be adjusted before the next line is chosen.
+    /// Whether all is to be adjusted before the next line is chosen: not while something is only half done that holds
+    /// on to where things are.
     pub(super) fn is_to_be_adjusted(&mut self, scene: &Scene<'_>) -> bool {
         let travelled = scene.tracker.travelled();
+        // A tour begins on a map that was just adjusted.
+        let last = *self.adjusted_at.get_or_insert(travelled);
+        let holds_on = !self.halves.is_empty() || self.look_next.is_some() || self.to_tie.is_some();
         let has_things = self.chart.objects().next().is_some();
         let is_due =
-            self.chart.outline().is_circle() && has_things && travelled > self.adjusted_at + EVERY;
+            self.chart.outline().is_circle() && has_things && !holds_on && travelled > last + EVERY;
         if is_due {
-            self.adjusted_at = travelled;
+            self.adjusted_at = Some(travelled);
         }
         is_due
     }
 
-    /// Goes on on `map` as it was adjusted.
+    /// Goes on on `map` as it was adjusted. With that, the way that the robot drove lies elsewhere.
     pub fn on_adjusted(&mut self, map: &RoomMap, survey: &Survey) {
         self.chart = Chart::new(map, survey);
         self.floor = None;
+        (self.covered, self.coverage) = (0, Coverage::new());
+        self.wall = Wall::new(&self.chassis);
     }
 }

@@ -327,6 +327,7 @@ fn a_stop_does_not_wait_for_what_was_asked_before_it() {
     for way in ways {
         line.requests.send(Request::Held(way)).expect("it listens");
     }
+    line.intent(Intent::Run);
     line.intent(Intent::Stop);
     assert!(line.is_behind(), "a picture of what was not done yet");
     // It is busy with the first; behind that the second and the stop wait.

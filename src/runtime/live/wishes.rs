@@ -39,14 +39,7 @@ impl<W: Write> LiveRun<W> {
 
     /// Why a wish that would set the robot going is not followed now; none when it is.
     fn objection(&self, intent: Intent) -> Option<String> {
-        let sets_going = matches!(
-            intent,
-            Intent::ClearStop
-                | Intent::Run
-                | Intent::StepCommand
-                | Intent::StepEvent
-                | Intent::StepPhase
-        );
+        let sets_going = intent == Intent::ClearStop || intent.sets_going();
         if let Some(why) = self.stranger().or_else(|| self.disbelieved.clone())
             && sets_going
         {

@@ -17,7 +17,8 @@
 //!    and `smooth`, which lets its straight walls straighten the lap, and `thin`, which parts the faces of thin
 //!    ones; `tape`, a length that was measured in the room; `square`, right angles made right; `plan` (III.E)
 //!    on `floor`; `tour` (III.F) on the `chart` of what is mapped; `network`, all observations adjusted at
-//!    once, when the lap has its shape and when the tour is over, and what errors they then have in common;
+//!    once, when the lap has its shape and when the tour is over (in a round room on the way as well), and what
+//!    errors they then have in common;
 //!    `relocate`, how a robot that was carried, or doubts where it is, finds its place again;
 //!    `trust`, which switches can be believed; `accuracy`, how well all of it is known; `unreached`, what
 //!    the robot does not get to.
@@ -29,8 +30,8 @@
 //! 7. `runtime`, `cli`, `commands`: the clock, the signals, the arguments; `runtime::live` is a session
 //!    with a real robot, `runtime::line` the thread that keeps its port.
 //!
-//! `spelling`, which all that reads words may ask, is what somebody likely meant; `wording`, which all that
-//! writes figures may ask, is how they are written.
+//! `spelling`, which all that reads words may ask, is what somebody likely meant, and what a reader of files
+//! does; `wording`, which all that writes figures may ask, is how they are written.
 //!
 //! What is absent on purpose: the core never reads a clock or a file, and never sees the
 //! simulator's truth, which goes from the link to the exports alone.

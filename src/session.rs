@@ -298,7 +298,7 @@ impl Session {
         } else if self.has_to_find_its_place() {
             "no lap now: the robot has to find its place first"
         } else if self.mission.settings().laps >= MOST_LAPS {
-            "no lap more: nine are driven at most"
+            "no lap more: as many are wanted as may be driven"
         } else {
             "no lap now: lines of the plan are driven already"
         }

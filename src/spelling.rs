@@ -1,4 +1,4 @@
-//! What somebody likely meant who wrote something else.
+//! What somebody likely meant who wrote something else, and what a reader of files means that says it oddly.
 
 /// Nobody means a name with a word of more letters.
 const LONGEST: usize = 60;

@@ -71,11 +71,11 @@ fn toml(path: &Path) -> Result<String, String> {
     }
     // What may be set in a config as well is one.
     let is_binding = |entry: &Entry<'_>| glue::is_action(&entry.key);
-    if keys.iter().all(is_binding) && keys.iter().any(|entry| !config::has(&entry.key)) {
+    let is_bindings =
+        keys.iter().all(is_binding) && keys.iter().any(|entry| !config::has(&entry.key));
+    if let (true, Some(first)) = (is_bindings, keys.first()) {
         let why = "a keymap begins with a line [keys]: put it above this one";
-        return keys
-            .first()
-            .map_or(Ok(String::new()), |first| Err(file.bad(first, why).to_string()));
+        return Err(file.bad(first, why).to_string());
     }
     if keys.iter().any(|entry| chassis::has(&entry.key)) {
         let body = chassis::read(path).map_err(|error| error.to_string())?;

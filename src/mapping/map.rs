@@ -380,6 +380,12 @@ fn is_zero(number: &u32) -> bool {
 }
 
 impl RoomMap {
+    /// Whether the room is one whole circle: nothing of its wall tells a turn about the middle.
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        self.shape.as_ref().is_some_and(|shape| shape.outline.is_circle())
+    }
+
     /// The number of the next object.
     #[must_use]
     pub fn next_id(&self) -> u32 {

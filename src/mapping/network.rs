@@ -210,8 +210,7 @@ impl Network {
         let (errors, strain) = (unknowns.errors(), robot.strain(&read, &unknowns));
         let after = unknowns.poses;
         let moved = |(a, b): (&Pose, &Pose)| (a.position - b.position).norm();
-        let is_round = given.map.shape.as_ref().is_some_and(|shape| shape.outline.is_circle());
-        let farthest = if is_round { FARTHEST_ROUND } else { FARTHEST };
+        let farthest = if given.map.is_round() { FARTHEST_ROUND } else { FARTHEST };
         let sane = before.iter().zip(&after).map(moved).all(|moved| moved < farthest);
         let agreed = used as f64 >= LEAST_SHARE * seen as f64;
         let worst = if afar { WORST_FROM_AFAR } else { WORST_FIT };

@@ -4,10 +4,10 @@
 //! What is met is one of three things: near the boundary, and the robot carries on; a known
 //! object, and it goes round to the line again; an unknown one, which is gone round and recorded.
 //! What cannot be where it is met makes the robot doubt its own place instead (`doubt`).
-//! Every touch of something mapped corrects the pose. When all lines are driven, what they could
-//! not sweep is looked for and visited, until the hidden disc is down to α or nothing more helps. Then
-//! come the ties: objects that are not known well enough are measured from what they stand beside. Last,
-//! what is twice on the map is taken away, and the floor that it stood on is driven.
+//! Every touch of something mapped corrects the pose, but for a turn about the middle of a round room (`round_room`).
+//! When all lines are driven, what they could not sweep is looked for and visited, until the hidden disc is down to α
+//! or nothing more helps. Then come the ties: objects that are not known well enough are measured from what they
+//! stand beside. Last, what is twice on the map is taken away, and the floor that it stood on is driven.
 
 mod bearings;
 mod doubt;

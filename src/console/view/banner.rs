@@ -38,13 +38,9 @@ pub(super) fn draw(
             } else {
                 format!("{clear} clears the stop; phase and map are kept")
             };
-            let told = "■ ■ ■   S T O P P E D   ■ ■ ■".to_owned();
-            // It was told to stop, and has not yet said that it did.
-            let lines = if snapshot.is_moving() {
-                ["■ ■ ■   S T O P P I N G   ■ ■ ■".to_owned(), how]
-            } else {
-                [told, how]
-            };
+            // Told to, it has not yet said that it did.
+            let what = if snapshot.is_moving() { "S T O P P I N G" } else { "S T O P P E D" };
+            let lines = [format!("■ ■ ■   {what}   ■ ■ ■"), how];
             draw_box(&mut pen, map, below, &lines, Role::Stopped);
         }
         // Who ended it knows, and wants to see what there is of the map.

@@ -2,6 +2,7 @@
 //! averaged in, or drop it and look for the boundary anew.
 
 use super::{Mission, Outcome, Output, Task};
+use crate::geometry::Pose;
 use crate::mapping::chart::Chart;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::map::{Phase, RoomMap};
@@ -78,15 +79,19 @@ impl Mission {
         let doubted = std::mem::take(&mut self.map.doubted);
         let dropped = self.map.objects.len();
         self.map = RoomMap { doubted, ..RoomMap::default() };
-        self.tracker.begin_anew(here);
-        self.network = Network::new(here);
-        self.laps = 0;
-        // What was asked for before the run counts, and not what was for the laps that are dropped.
-        self.settings.laps = self.laps_asked;
-        self.task = Task::Search(Box::new(Search::new(&self.settings, here)));
+        self.search_from(here);
         self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
         self.tell(EventKind::BegunAnew { dropped }, out);
         true
+    }
+
+    /// Looks for the boundary anew from `here`, as if the run began there: of the laps, those count that were asked
+    /// for before it.
+    pub(super) fn search_from(&mut self, here: Pose) {
+        self.tracker.begin_anew(here);
+        self.network = Network::new(here);
+        (self.laps, self.settings.laps) = (0, self.laps_asked);
+        self.task = Task::Search(Box::new(Search::new(&self.settings, here)));
     }
 
     /// Drives the next lap that is wanted, or goes on to the shape.

@@ -5,10 +5,8 @@ use super::{Lost, Mission, Outcome, Output, Task};
 use crate::geometry::{Pose, Ring, angle};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::MappedObject;
-use crate::mapping::network::Network;
 use crate::mapping::relocate::recognise::Place;
 use crate::mapping::relocate::{About, Relocation, Seek};
-use crate::mapping::search::Search;
 use crate::mapping::tour::{Astray, Tour};
 use crate::robot::DoneReason;
 
@@ -78,11 +76,8 @@ impl Mission {
     /// The lap begins anew at `from`: there is no boundary yet to know a place by.
     fn begin_anew(&mut self, from: Pose, out: &mut Vec<Output>) {
         let dropped = std::mem::take(&mut self.map.objects).len();
-        self.tracker.begin_anew(from);
-        self.network = Network::new(from);
-        (self.laps, self.settings.laps) = (0, self.laps_asked);
+        self.search_from(from);
         self.lost = None;
-        self.task = Task::Search(Box::new(Search::new(&self.settings, from)));
         self.tell(EventKind::BegunAnew { dropped }, out);
     }
 

@@ -19,8 +19,7 @@ impl Mission {
     /// by that: from coarse to fine, since with all of it moved more contacts are seen to be of surfaces.
     /// Nothing moves where it cannot be done to the end; what errors all of it has in common if it was.
     pub(super) fn adjust_whole(&mut self, out: &mut Vec<Output>) -> Option<Whole> {
-        let is_round = self.map.shape.as_ref().is_some_and(|shape| shape.outline.is_circle());
-        self.adjust(if is_round { &WITHIN_ROUND } else { &WITHIN }, false, out)
+        self.adjust(if self.map.is_round() { &WITHIN_ROUND } else { &WITHIN }, false, out)
     }
 
     /// The same when the lap alone is driven. In a round room, where nothing that was seen tells how far the robot

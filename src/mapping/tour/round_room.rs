@@ -14,8 +14,8 @@ use crate::mapping::map::RoomMap;
 use crate::mapping::survey::Survey;
 use crate::mapping::wall::Wall;
 
-/// After so many metres all is adjusted anew: a gyro that drifts by 20 degrees an hour turns by half a degree
-/// meanwhile, and places 5 m off the middle move by less than the thinnest column.
+/// After so many metres all is adjusted anew: that takes about 150 s, in which a gyro that drifts by 20 degrees an hour
+/// turns by less than one, and what is 5 m off the middle moves by less than a tenth of a metre.
 const EVERY: f64 = 20.0;
 
 impl Tour {

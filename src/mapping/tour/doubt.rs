@@ -93,17 +93,10 @@ fn lies_beyond(outline: &Ring, ring: &Ring) -> bool {
     share(edge(ring), beyond) > SOME
 }
 
-/// Whether what was not gone round stands nowhere off the `outline` of the room: it is the wall, followed by a robot
-/// that was astray.
-fn is_wall(outline: &Ring, &(ring, closed): &(&Ring, bool)) -> bool {
-    !closed && edge(ring).all(|p| outline.distance(p) < SAME_EDGE)
-}
-
-/// Which of the `rings`, closed or not, lie beyond the `outline` of the room, are its wall, or stand where another
-/// does.
-fn impossible(outline: &Ring, rings: &[(&Ring, bool)]) -> Vec<bool> {
-    let wrong = |one: &(&Ring, bool)| lies_beyond(outline, one.0) || is_wall(outline, one);
-    or_twice(rings, rings.iter().map(wrong).collect())
+/// Whether what was not gone round was touched nowhere off the `outline` of the room: it is the wall, followed by a
+/// robot that was astray. (What only joins the touches, across a bay of the wall, says nothing.)
+fn is_wall(outline: &Ring, object: &MappedObject) -> bool {
+    !object.closed && object.contacts.iter().all(|c| outline.distance(c.point) < SAME_EDGE)
 }
 
 /// Which of the `rings`, closed or not, are `wrong`, or stand where another does: of two it is the one that was
@@ -235,10 +228,14 @@ impl Tour {
     /// Takes away what is twice on the map, what lies beyond the room, what is its wall, and what was felt for in
     /// vain, now that all lines are driven; whether there was anything.
     pub(super) fn take_away_impossible(&mut self, scene: &mut Scene<'_>) -> bool {
-        let closed = scene.map.objects.iter().map(|object| object.closed);
-        let rings: Vec<(&Ring, bool)> = self.chart.objects().zip(closed).collect();
-        let mut wrong = impossible(self.chart.outline(), &rings);
-        for (wrong, object) in wrong.iter_mut().zip(&scene.map.objects) {
+        let (outline, objects) = (self.chart.outline(), &scene.map.objects);
+        let rings: Vec<(&Ring, bool)> =
+            self.chart.objects().zip(objects.iter().map(|object| object.closed)).collect();
+        let is_wrong = |(&(ring, _), object): (&(&Ring, bool), &MappedObject)| {
+            lies_beyond(outline, ring) || is_wall(outline, object)
+        };
+        let mut wrong = or_twice(&rings, rings.iter().zip(objects).map(is_wrong).collect());
+        for (wrong, object) in wrong.iter_mut().zip(objects) {
             *wrong |= self.is_missing(object.id);
         }
         self.take_away(&wrong, scene.map, scene.tell);
@@ -250,8 +247,8 @@ impl Tour {
         let rings: Vec<(&Ring, bool)> =
             map.objects.iter().map(|object| (&object.outline, object.closed)).collect();
         let outline = map.shape.as_ref().map(|shape| &shape.outline);
-        let walls = rings.iter().map(|one| outline.is_some_and(|outline| is_wall(outline, one)));
-        let wrong = or_twice(&rings, walls.collect());
+        let is_walls = |object| outline.is_some_and(|outline| is_wall(outline, object));
+        let wrong = or_twice(&rings, map.objects.iter().map(is_walls).collect());
         self.take_away(&wrong, map, tell);
     }
 
@@ -303,6 +300,8 @@ impl Tour {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Vector;
+    use crate::mapping::map::ContactKind;
 
     #[test]
     fn nothing_is_where_the_body_has_been() {
@@ -330,21 +329,22 @@ mod tests {
 
     #[test]
     fn of_two_things_in_one_place_the_whole_one_stays() {
-        let (room, table) = (square(0.0, 0.0, 6.0), square(2.0, 2.0, 1.0));
+        let table = square(2.0, 2.0, 1.0);
         // What was seen of its long side when it could not be gone round, and one of its corners.
         let side = [(2.0, 2.0), (3.0, 2.0), (3.0, 2.01), (2.0, 2.01)];
         let side = Ring::polygon(&side.map(|(x, y)| Point::new(x, y)));
         let corner = square(2.0, 2.0, 0.2);
         let again = square(2.05, 1.97, 1.0);
         let beyond = square(5.9, 2.0, 0.5);
-        let judged = |rings: &[(&Ring, bool)]| impossible(&room, rings);
+        let judged = |rings: &[(&Ring, bool)]| or_twice(rings, vec![false; rings.len()]);
         assert_eq!(judged(&[(&side, false), (&table, true)]), [true, false]);
         assert_eq!(judged(&[(&table, true), (&side, false)]), [false, true]);
         assert_eq!(judged(&[(&corner, true), (&table, true)]), [true, false]);
         assert_eq!(judged(&[(&table, true), (&again, true)]), [false, true], "the later one");
-        assert_eq!(judged(&[(&beyond, true), (&table, true)]), [true, false]);
         let rings = [(&beyond, true), (&table, true), (&again, true)];
-        assert_eq!(or_twice(&rings, vec![false; 3]), [false, false, true], "twice, and no more");
+        assert_eq!(judged(&rings), [false, false, true], "twice, and no more");
+        let known = or_twice(&[(&table, true), (&again, true)], vec![true, false]);
+        assert_eq!(known, [true, false], "where the one is wrong the other stands there alone");
     }
 
     #[test]
@@ -352,21 +352,35 @@ mod tests {
         let room = square(0.0, 0.0, 4.0);
         assert!(!lies_beyond(&room, &square(-0.03, 1.0, 0.5)));
         assert!(lies_beyond(&room, &square(-0.2, 1.0, 0.3)));
+        assert!(lies_beyond(&room, &square(3.9, 2.0, 0.5)));
     }
 
     #[test]
     fn what_was_not_gone_round_and_stands_nowhere_off_the_wall_is_the_wall() {
         let room = square(0.0, 0.0, 4.0);
-        let along = |off: f64, thick: f64| {
-            let corners = [(1.0, off), (1.0, off + thick), (3.5, off + thick), (3.5, off)];
-            Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)))
+        let touched = |p: Point| Contact {
+            point: p,
+            from: p + Vector::new(0.0, 0.16),
+            sensor: None,
+            kind: ContactKind::Range,
+            time: 0.0,
         };
-        let judged = |ring: &Ring, closed: bool| impossible(&room, &[(ring, closed)]);
-        assert_eq!(judged(&along(0.03, 0.02), false), [true]);
-        assert_eq!(judged(&along(-0.02, 0.03), false), [true]);
-        assert_eq!(judged(&along(0.03, 0.02), true), [false], "the robot went round it");
-        assert_eq!(judged(&along(0.03, 0.2), false), [false], "a cupboard");
-        assert_eq!(judged(&along(0.12, 0.02), false), [false], "a board before the wall");
+        let seen = |points: &[(f64, f64)], closed: bool| {
+            let points: Vec<Point> = points.iter().map(|&(x, y)| Point::new(x, y)).collect();
+            let contacts = points.iter().copied().map(touched).collect();
+            let outline = Ring::polygon(&points);
+            MappedObject { id: 1, class: ObjectClass::Open, outline, closed, contacts }
+        };
+        let along =
+            |off: f64, thick: f64| [(1.0, off), (1.0, off + thick), (3.5, off + thick), (3.5, off)];
+        let judged = |points: &[(f64, f64)], closed: bool| is_wall(&room, &seen(points, closed));
+        assert!(judged(&along(0.03, 0.02), false));
+        assert!(judged(&along(-0.02, 0.03), false));
+        assert!(!judged(&along(0.03, 0.02), true), "the robot went round it");
+        assert!(!judged(&along(0.03, 0.2), false), "a cupboard");
+        assert!(!judged(&along(0.12, 0.02), false), "a board before the wall");
+        // Two walls and their corner: what joins their ends runs across the room.
+        assert!(judged(&[(0.02, 1.5), (0.02, 0.0), (0.5, 0.02), (1.5, 0.02)], false));
     }
 
     #[test]

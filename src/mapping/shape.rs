@@ -91,7 +91,9 @@ impl AlongWall {
     /// `reach` is body radius plus range of the switches, metres.
     #[must_use]
     pub fn of(contacts: &[Contact], reach: f64) -> Self {
-        Self { made: contacts.to_vec(), ordered: order::along_wall(contacts, reach), reach }
+        let way: Vec<Segment> = legs(contacts).collect();
+        let ordered = spur::on_this_side(order::along_wall(contacts, reach), &way, reach);
+        Self { made: contacts.to_vec(), ordered, reach }
     }
 
     /// The wall line through them: closed, simple, counter-clockwise, of lines and arcs. A round room may be

@@ -22,10 +22,11 @@ impl Floor {
         [wide, between, clearance].into_iter().find_map(|keep| self.way(from, to, keep, clearance))
     }
 
-    /// Whether a way that keeps `clearance` may begin at `from`.
+    /// Whether a way that keeps `clearance` may begin at `from`. None begins beyond the wall: where the clearance grows
+    /// from there is through that.
     #[must_use]
     pub fn is_way_out(&self, from: Point, clearance: f64) -> bool {
-        self.leave(from, clearance, clearance).is_some()
+        self.wall_clearance(from) > 0.0 && self.leave(from, clearance, clearance).is_some()
     }
 
     /// Length of [`Floor::route`], metres.
@@ -264,6 +265,15 @@ mod tests {
         assert!(way.len() > 2 && length(&way) < 4.4, "{way:?}");
         for leg in way.windows(2) {
             assert!(floor.segment_clearance(leg[0], leg[1]) >= 0.165, "{leg:?}");
+        }
+    }
+
+    #[test]
+    fn no_way_begins_beyond_the_wall() {
+        let floor = rooms::floor(&rooms::rectangle(5.0, 4.0), &[]);
+        assert!(floor.is_way_out(Point::new(0.03, 2.0), 0.11), "off the wall");
+        for beyond in [0.02, 0.1, 0.3] {
+            assert!(!floor.is_way_out(Point::new(-beyond, 2.0), 0.11), "through the wall");
         }
     }
 

@@ -96,7 +96,8 @@ fn lies_beyond(outline: &Ring, ring: &Ring) -> bool {
 /// Whether what was not gone round was touched nowhere off the `outline` of the room: it is the wall, followed by a
 /// robot that was astray. (What only joins the touches, across a bay of the wall, says nothing.)
 fn is_wall(outline: &Ring, object: &MappedObject) -> bool {
-    !object.closed && object.contacts.iter().all(|c| outline.distance(c.point) < SAME_EDGE)
+    let on_it = |contact: &Contact| outline.distance(contact.point) < SAME_EDGE;
+    !object.closed && !object.contacts.is_empty() && object.contacts.iter().all(on_it)
 }
 
 /// Which of the `rings`, closed or not, are `wrong`, or stand where another does: of two it is the one that was

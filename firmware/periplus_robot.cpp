@@ -388,12 +388,14 @@ void Robot::control() {
   const bool still = kind_ == kMove && stands && fabs(speed_) > pushes;
   still_ = still ? still_ + 1 : 0;
   driven_ = still ? driven_ + fabs(speed_) * kStep : 0;
-  if (still_ > kStallSteps && driven_ > kStallTicks * tick) end("stall");
+  if (still_ > kStallSteps && driven_ > kStallTicks * tick) {
+    struck_ = true;
+    end("stall");
+  }
   if ((at.time - from_.time) * 1e-6 > limit_) end(kind_ == kRest ? "ok" : "time");
   const double change = acceleration * kStep;
   const bool complete = kind_ != kRest && fabs(left) < 1e-4 && fabs(speed_) <= change;
-  const bool hit = struck_ || !strcmp(why_, "stall");
-  if (hit) {
+  if (struck_) {
     speed_ = 0;
   } else if (why_[0]) {
     // A stop brakes twice as hard as the end of a motion.

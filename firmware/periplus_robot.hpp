@@ -94,7 +94,7 @@ class Robot {
   int still_ = 0;        // steps driven without a tick
   double driven_ = 0;    // and how far, metres
   bool stopped_ = false;  // brakes hard, whatever the reason that is told
-  bool struck_ = false;   // the bumper was pressed: stands at once, likewise
+  bool struck_ = false;   // the bumper was pressed, or the wheels stalled: stands at once, likewise
   char why_[8] = "";
 };
 

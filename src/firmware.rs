@@ -47,6 +47,8 @@ struct Running {
     ending: Option<DoneReason>,
     /// A stop came, whatever it is that ends the motion.
     stopped: bool,
+    /// The bumper was pressed, or the wheels stood still, likewise.
+    struck: bool,
     /// Steps in which the wheels were driven and did not tick.
     still: u32,
     /// How far they were driven in them, metres.
@@ -118,6 +120,7 @@ impl Firmware {
             speed: 0.0,
             ending,
             stopped: false,
+            struck: false,
             still: 0,
             driven: 0.0,
             last: begin,
@@ -199,14 +202,13 @@ impl Firmware {
         let rest = matches!(running.command.motion, Motion::Rest);
         let complete =
             !rest && left.abs() < CLOSE && running.speed.abs() <= SLOW * acceleration * STEP;
-        let hit = matches!(running.ending, Some(DoneReason::Bumper | DoneReason::Stalled));
         let target = if running.ending.is_some() || rest {
             0.0
         } else {
             most.min(braking(left.abs(), acceleration)).min(left.abs() / STEP) * left.signum()
         };
         let change = acceleration * STEP;
-        running.speed = if hit {
+        running.speed = if running.struck {
             0.0
         } else if running.ending.is_some() {
             let brake = if running.stopped { HARD * change } else { change };
@@ -272,6 +274,7 @@ impl Firmware {
             matches!(running.command.motion, Motion::Move { distance, .. } if distance > 0.0);
         let moves = matches!(running.command.motion, Motion::Move { .. });
         if ahead && hardware.bumper() {
+            running.struck = true;
             running.ending = running.ending.or(Some(DoneReason::Bumper));
         }
         let now = hardware.odometer();
@@ -284,6 +287,7 @@ impl Firmware {
             (0, 0.0)
         };
         if running.still > STALL_STEPS && running.driven > STALL_TICKS * self.chassis.tick {
+            running.struck = true;
             running.ending = running.ending.or(Some(DoneReason::Stalled));
         }
         if elapsed > running.command.time_limit {

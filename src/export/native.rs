@@ -248,6 +248,11 @@ impl MapFile {
 impl ErrorFile {
     fn of(map: &RoomMap) -> Option<Self> {
         let (accuracy, shape) = (map.accuracy.as_ref()?, map.shape.as_ref()?);
+        // What is no number is not stated as an error of none.
+        let all = accuracy.walls.iter().chain(&accuracy.corners);
+        if !all.into_iter().all(|sd| sd.is_finite()) {
+            return None;
+        }
         let mm = |metres: &f64| (metres * 1e3).ceil() as u32;
         let pieces = &shape.outline.pieces;
         let by_vertex = |all: &[f64]| {

@@ -129,8 +129,10 @@ pub(super) fn escaped(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            // Control characters are not allowed in XML at all.
-            letter if letter.is_control() => out.push(' '),
+            // Control characters, and two that are none, are not allowed in XML at all.
+            letter if letter.is_control() || matches!(letter, '\u{FFFE}' | '\u{FFFF}') => {
+                out.push(' ');
+            }
             letter => out.push(letter),
         }
     }
@@ -149,6 +151,11 @@ mod tests {
             assert_eq!(shape.letter, letter, "no glyph for `{letter}`");
             assert!(shape.strokes.starts_with('M'), "`{letter}` has no strokes");
         }
+    }
+
+    #[test]
+    fn what_may_not_stand_in_xml_is_left_out() {
+        assert_eq!(escaped("a\u{FFFE}b\u{FFFF}\u{1}<é"), "a b  &lt;é");
     }
 
     #[test]

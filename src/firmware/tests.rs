@@ -170,6 +170,22 @@ fn the_bumper_ends_moves_ahead_but_lets_the_robot_back_off() {
 }
 
 #[test]
+fn what_the_bumper_meets_while_a_guard_brakes_is_not_pushed() {
+    let weak = Chassis { acceleration: 0.2, ..Chassis::default() };
+    let mut robot = Robot::with(&weak, 4.0, 2.0, 0.0);
+    let guard = Guard { rise: SwitchSet::only(0), fall: SwitchSet::EMPTY };
+    robot.send(ahead(3.0), guard, 30.0);
+    while !robot.body.bumper() {
+        robot.step(true);
+    }
+    robot.step(true);
+    robot.step(true);
+    assert!(!robot.firmware.is_moving(), "drives on against the wall");
+    let expected = DoneReason::Guard { sensor: 0, rising: true };
+    assert_eq!(robot.until_done(true).0, expected);
+}
+
+#[test]
 fn backing_into_a_wall_stalls() {
     let mut robot = Robot::at(0.3, 2.0, 0.0);
     robot.send(ahead(-1.0), FREE, 30.0);

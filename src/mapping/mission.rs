@@ -377,6 +377,11 @@ impl Mission {
         if self.idle.is_too_much() {
             return self.fail(Failure::Unmoved, out);
         }
+        // No command can follow from a place that is none.
+        let pose = self.tracker.pose();
+        if !(pose.position.x + pose.position.y + pose.heading).is_finite() {
+            return self.fail(Failure::Internal, out);
+        }
         if std::mem::take(&mut self.afresh) {
             self.begin_afresh();
         }

@@ -19,6 +19,10 @@ use crate::robot::{Chassis, Odometer};
 /// is at rest only a little after its wheels.
 const SETTLING: u64 = 300_000;
 
+/// Where a turn of this much goes by without a tick, wheels that do not tick say nothing of whether the robot turns,
+/// radians.
+const UNFELT: f64 = 0.02;
+
 /// Rests are gathered until they are this long before the gyro's drift is told from them, seconds.
 const LEAST_REST: f64 = 2.0;
 
@@ -54,6 +58,8 @@ pub struct Tracker {
     bias: f64,
     /// When the wheels turned last, microseconds; none before they ever did.
     rolled: Option<u64>,
+    /// A turn is under way that the wheels may say nothing of.
+    turns_unfelt: bool,
     /// How long the heading was held in all, microseconds, and what the gyro told meanwhile beyond
     /// the believed drift, radians.
     rested_us: u64,
@@ -94,6 +100,7 @@ impl Tracker {
             wheel_base: chassis.wheel_base,
             bias: 0.0,
             rolled: None,
+            turns_unfelt: false,
             rested_us: 0,
             drift: (0.0, 0.0),
             path: Vec::new(),
@@ -101,6 +108,13 @@ impl Tracker {
             read: Reading::default(),
             held: (0.0, 0.0),
         }
+    }
+
+    /// Whether the robot `turns` on the spot, as it was told to. Encoders that tick seldom may not show it, and the
+    /// heading is not held meanwhile.
+    pub fn is_to_turn(&mut self, turns: bool) {
+        let a_tick = 2.0 * self.tick / self.wheel_base;
+        self.turns_unfelt = turns && a_tick > UNFELT;
     }
 
     /// Takes the next reading and returns the pose at its instant.
@@ -113,7 +127,8 @@ impl Tracker {
             let told = whole(to.heading - last.heading);
             let mut turned = told - self.bias * seconds;
             self.read.turned += told;
-            if (to.left_ticks, to.right_ticks) != (last.left_ticks, last.right_ticks) {
+            let ticked = (to.left_ticks, to.right_ticks) != (last.left_ticks, last.right_ticks);
+            if ticked || self.turns_unfelt {
                 if self.rolled.is_none() && self.drift.0 < FIRST_REST {
                     self.drift = (0.0, 0.0);
                     self.held = (0.0, 0.0);
@@ -349,6 +364,25 @@ mod tests {
 
     fn reading(time_us: u64, ticks: i64, heading: f64) -> Odometer {
         Odometer { time_us, left_ticks: ticks, right_ticks: ticks, heading }
+    }
+
+    #[test]
+    fn a_turn_that_coarse_encoders_do_not_show_is_a_turn() {
+        let coarse = Chassis { tick: 0.01, ..Chassis::default() };
+        for (chassis, turns, turned) in
+            [(&coarse, true, 0.1), (&coarse, false, 0.0), (&Chassis::default(), true, 0.0)]
+        {
+            let mut tracker = Tracker::new(chassis, Pose::new(0.0, 0.0, 0.0));
+            tracker.advance(&reading(0, 0, 0.0), Phase::Boundary);
+            tracker.advance(&reading(100_000, 4, 0.0), Phase::Boundary);
+            tracker.advance(&reading(2_000_000, 4, 0.0), Phase::Boundary);
+            tracker.is_to_turn(turns);
+            for k in 1..=10 {
+                let heading = 0.01 * k as f64;
+                tracker.advance(&reading(2_000_000 + k * 100_000, 4, heading), Phase::Boundary);
+            }
+            assert!((tracker.pose().heading - turned).abs() < 1e-9, "{turns} {}", chassis.tick);
+        }
     }
 
     #[test]

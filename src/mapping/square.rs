@@ -5,6 +5,7 @@
 //! Works on a finished outline and on nothing else: the robot drives, and corrects its pose, by what it
 //! saw.
 
+use crate::geometry::simple::crossings;
 use crate::geometry::{Piece, Point, Ring, Vector, angle, cross, meeting};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,8 @@ const NEARLY: f64 = 0.052;
 const FARTHEST: f64 = 0.06;
 /// The room has axes when the walls agree on them to this share (resultant length).
 const AGREED: f64 = 0.6;
+/// Chords stand for arcs within this, metres.
+const SAGITTA: f64 = 0.001;
 /// Two walls that meet at less than this go on straight (sine): no corner to intersect them in.
 const STRAIGHT: f64 = 0.35;
 
@@ -96,20 +99,28 @@ pub fn square(outline: &Ring) -> Option<(Ring, Squared)> {
         .iter()
         .map(|direction| direction.map(|d| off_axis(d, axis)).filter(|off| off.abs() < NEARLY))
         .collect();
-    // A corner that would be moved too far shows that its walls are not what they seem.
+    // A corner that would be moved too far shows that its walls are not what they seem; so do walls that would cross,
+    // the faces of a thin board for one.
     let corners = loop {
         let corners = corners(outline, &turns);
         let far = (0..corners.len())
             .find(|k| (corners[*k] - outline.pieces[*k].from()).norm() > FARTHEST);
-        let Some(k) = far else { break corners };
-        let before = (k + corners.len() - 1) % corners.len();
-        if turns[k].is_none() && turns[before].is_none() {
+        let before = |k: usize| (k + corners.len() - 1) % corners.len();
+        let wrong = match far {
+            Some(k) => vec![before(k), k],
+            None => crossed(&through(outline, &corners)),
+        };
+        if wrong.iter().all(|k| turns[*k].is_none()) {
             break corners;
         }
-        (turns[k], turns[before]) = (None, None);
+        wrong.into_iter().for_each(|k| turns[k] = None);
     };
     let count = turns.iter().flatten().count();
     if count < 2 {
+        return None;
+    }
+    let made = through(outline, &corners);
+    if !crossed(&made).is_empty() {
         return None;
     }
     let moves = outline.pieces.iter().zip(&corners).map(|(piece, to)| (to - piece.from()).norm());
@@ -121,7 +132,18 @@ pub fn square(outline: &Ring) -> Option<(Ring, Squared)> {
         moved: moves.fold(0.0, f64::max),
         before: outline.clone(),
     };
-    Some((through(outline, &corners), squared))
+    Some((made, squared))
+}
+
+/// The pieces of `ring` that cross another, and those beside them, whose walls the corners hang on as well.
+fn crossed(ring: &Ring) -> Vec<usize> {
+    let (points, count) = (ring.to_points(SAGITTA), ring.pieces.len());
+    let piece = |edge: usize| {
+        let middle = nalgebra::center(&points[edge], &points[(edge + 1) % points.len()]);
+        ring.nearest(middle).map(|foot| foot.piece)
+    };
+    let pieces = crossings(&points).into_iter().flat_map(|(i, k)| [piece(i), piece(k)]).flatten();
+    pieces.flat_map(|k| [(k + count - 1) % count, k, (k + 1) % count]).collect()
 }
 
 /// The corners, each where its piece begins, once the walls are turned by `turns`.
@@ -269,6 +291,18 @@ mod tests {
         let turned = ring(&[(2.0, 0.0), (4.0, 0.08), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)]);
         let (other, _) = super::square(&turned).expect("something to square");
         assert!((other.area() - square.area()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_faces_of_a_thin_board_do_not_cross() {
+        // A board of 8 mm that leans by 1.4 degrees, with the floor on its right lower: turned about their middles
+        // its faces change sides.
+        let board = [(2.0, 0.0), (2.03, 1.2), (2.038, 1.2), (1.983, -1.0)];
+        let walls = [(4.0, -1.0), (4.0, 3.0), (0.0, 3.0)];
+        let room: Vec<(f64, f64)> = [(0.0, 0.0)].into_iter().chain(board).chain(walls).collect();
+        let (square, told) = square(&ring(&room)).expect("the other walls are square");
+        assert_eq!(crossings(&square.to_points(SAGITTA)), []);
+        assert!((2..7).contains(&told.walls), "{told:?}");
     }
 
     #[test]

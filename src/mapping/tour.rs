@@ -36,7 +36,7 @@ use super::settings::{Contour, Settings};
 use super::survey::Survey;
 use super::wall::{Sighting, Wall};
 use crate::geometry::{Point, Pose, Ring, Vector, angle};
-use crate::robot::Chassis;
+use crate::robot::{Chassis, SwitchSet};
 use bearings::Feeling;
 pub use doubt::Astray;
 use doubt::Doubt;
@@ -121,6 +121,8 @@ pub struct Tour {
     tied: Vec<(Point, Vector)>,
     /// Numbers of the objects that were felt for there, and whether they were met.
     felt: Vec<(u32, bool)>,
+    /// Switches that are not believed.
+    out: SwitchSet,
     /// Where what is mapped left the robot no way out.
     shut_in: Vec<Point>,
     /// Where lines were given up because what is mapped stopped the robot.
@@ -188,6 +190,7 @@ impl Tour {
             to_tie: None,
             tied: Vec::new(),
             felt: Vec::new(),
+            out: SwitchSet::EMPTY,
             shut_in: Vec::new(),
             stops: Stops::default(),
             fixed_by: None,
@@ -212,11 +215,17 @@ impl Tour {
             begun: true,
             tied: self.tied.clone(),
             felt: self.felt.clone(),
+            out: self.out,
             sure: self.sure.clone(),
             doubts: self.doubts.clone(),
             settled_us: self.settled_us,
             ..whole
         }
+    }
+
+    /// The switches that are `out` are not believed: nothing is done that only they would end.
+    pub fn distrust(&mut self, out: SwitchSet) {
+        self.out = out;
     }
 
     /// Whether a line was begun.

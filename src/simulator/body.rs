@@ -140,7 +140,8 @@ impl Body {
         let half = turned * self.chassis.wheel_base / 2.0;
         self.wheels[0] += (ahead - half) * self.scale[0];
         self.wheels[1] += (ahead + half) * self.scale[1];
-        let slip = self.noise.slip(ahead.abs());
+        // A wheel that slips turns farther than the body goes, whichever way.
+        let slip = self.noise.slip(ahead.abs()) * ahead.signum();
         self.wheels[0] += slip;
         self.wheels[1] += slip;
         self.gyro += whole(turned * self.noise.gyro_scale + self.noise.gyro_error(seconds, true));

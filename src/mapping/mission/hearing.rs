@@ -153,6 +153,8 @@ impl Mission {
         let (before, time) = (self.tracker.pose(), self.tracker.time_us());
         let rested = self.tracker.rested_us();
         let spun = self.tracker.spun();
+        let turning = self.awaited.as_ref().map(|awaited| awaited.turning);
+        self.tracker.is_to_turn(matches!(turning, Some(Turning::By(_))));
         let mut pose = self.tracker.advance(odometer, self.phase);
         let rested = self.tracker.rested_us() - rested;
         if self.network.is_empty() {

@@ -88,6 +88,15 @@ mod tests {
     }
 
     #[test]
+    fn a_robot_that_is_at_no_place_is_not_sent_anywhere() {
+        let mut mission = Mission::new(Settings::new(Pose::new(0.0, f64::NAN, 0.0)));
+        let mut out = Vec::new();
+        mission.proceed(&mut out);
+        assert!(!out.iter().any(|output| matches!(output, Output::Command(..))));
+        assert_eq!(mission.outcome(), Outcome::Failed(Failure::Internal));
+    }
+
+    #[test]
     fn what_leads_somewhere_or_is_ended_by_something_is_none_of_it() {
         let turn = Motion::Turn { angle: 0.02, rate: 1.0 };
         let at = |turned: f64| Reading { turned, ..Reading::default() };

@@ -293,6 +293,7 @@ impl Mission {
 
     pub(super) fn tour(&mut self, mut tour: Box<Tour>, out: &mut Vec<Output>) {
         let mut told = Vec::new();
+        tour.distrust(self.trust.out());
         let next = tour.next(&mut Scene {
             tracker: &mut self.tracker,
             survey: &mut self.survey,

@@ -125,9 +125,17 @@ impl Grip {
 
     /// Learns from `length` metres that were off by `innovation`, with `spread` (square radians)
     /// expected had the wheels not wandered at all; in `spread`, `walk` is what the gyro would have
-    /// wandered by its datasheet, times what is believed of it.
-    pub(super) fn learn(&mut self, length: f64, innovation: f64, spread: f64, walk: f64) {
-        let still = spread - walk * self.walk;
+    /// wandered by its datasheet, times what is believed of it. Of that the touches of walls on the way may have
+    /// taken out more than is left; `rounding`, square radians, nothing takes out.
+    pub(super) fn learn(
+        &mut self,
+        length: f64,
+        innovation: f64,
+        spread: f64,
+        walk: f64,
+        rounding: f64,
+    ) {
+        let still = (spread - walk * self.walk).max(rounding);
         for (gyro, row) in GYROS.iter().zip(&mut self.likelihood) {
             for (floor, likelihood) in FLOORS.iter().zip(row) {
                 let variance = still + gyro * gyro * walk + floor * length;
@@ -232,11 +240,21 @@ mod tests {
         assert!((1.0e-7..1.0e-6).contains(&good.wander()), "{}", good.wander());
         for k in 0..100 {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            good.learn(2.0, sign * 0.001, spread, 0.0);
-            bad.learn(2.0, sign * 0.005, spread, 0.0);
+            good.learn(2.0, sign * 0.001, spread, 0.0, 0.0);
+            bad.learn(2.0, sign * 0.005, spread, 0.0, 0.0);
         }
         assert!(good.wander() < 1.5e-7, "{}", good.wander());
         // 25e-6 in 2 m are 12e-6 a metre.
         assert!((0.9e-5..1.5e-5).contains(&bad.wander()), "{}", bad.wander());
+    }
+
+    #[test]
+    fn what_touches_took_out_of_the_walk_is_not_taken_out_twice() {
+        let mut grip = Grip::default();
+        for _ in 0..100 {
+            grip.learn(0.02, 1.0e-5, 2.0e-7, 4.0e-6, 1.0e-8);
+            assert!(grip.wander().is_finite() && grip.walk().is_finite(), "{grip:?}");
+        }
+        assert!((0.0099..=1.0).contains(&grip.walk()), "{}", grip.walk());
     }
 }

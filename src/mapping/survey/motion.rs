@@ -76,7 +76,7 @@ impl Survey {
         let wander = self.grip.wander() * load.length;
         let walk = HEADING_WALK * HEADING_WALK * load.seconds;
         if load.scrub() < UNTURNED * UNTURNED {
-            self.grip.learn(load.length, innovation, spread, walk);
+            self.grip.learn(load.length, innovation, spread, walk, rounding);
         }
         let square = innovation * innovation;
         // A slip says nothing of the heading; what comes after it does again.

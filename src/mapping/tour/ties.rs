@@ -139,9 +139,12 @@ fn span(
 }
 
 impl Tour {
-    /// The switches that look straight ahead and straight back, if there are both.
+    /// The switches that look straight ahead and straight back, if there are both and they are believed: behind
+    /// there is no bumper.
     fn front_and_back(&self) -> Option<(usize, usize)> {
-        let towards = |bearing: f64| self.chassis.sensor_towards(bearing, STRAIGHT);
+        let towards = |bearing: f64| {
+            self.chassis.sensor_towards(bearing, STRAIGHT).filter(|index| !self.out.has(*index))
+        };
         towards(0.0).zip(towards(angle::PI))
     }
 
@@ -292,6 +295,17 @@ mod tests {
         let floor = Floor::new(&room, &[&thing], &chassis, Point::new(2.0, 1.0));
         let found = spans(&chart, &floor, &survey, chassis.radius);
         found.into_iter().filter(|span| span.along.y > 0.9).collect()
+    }
+
+    #[test]
+    fn nothing_is_measured_with_a_switch_that_is_not_believed() {
+        let (settings, map, _) = room_gone_along(0.16);
+        let mut tour = Tour::new(&settings, &map, &Survey::new(0.003));
+        assert_eq!(tour.front_and_back(), Some((0, 4)));
+        for (out, still) in [(4, false), (0, false), (2, true)] {
+            tour.distrust(SwitchSet::only(out));
+            assert_eq!(tour.front_and_back().is_some(), still, "without switch {out}");
+        }
     }
 
     #[test]

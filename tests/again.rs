@@ -152,6 +152,10 @@ fn a_lap_that_is_dropped_is_driven_anew() {
     step(&mut run);
     step(&mut run);
     assert!(run.snapshot().map.shape.is_some());
+    let datum = |run: &SimulatedRun<Sink>| {
+        run.snapshot().map.accuracy.and_then(|accuracy| accuracy.datum).expect("stated")
+    };
+    let before = datum(&run);
     run.intent(Intent::LapAnew);
     assert_eq!(run.snapshot().settings.laps, 1);
     let map = run.snapshot().map;
@@ -159,6 +163,10 @@ fn a_lap_that_is_dropped_is_driven_anew() {
     step(&mut run);
     assert_eq!(told(&run, |kind| matches!(kind, EventKind::LapClosed { extrinsic: false, .. })), 2);
     assert!(run.snapshot().map.closed);
+    step(&mut run);
+    // It began where the robot was by the lap before, and is off with that.
+    let off = datum(&run);
+    assert!(off.turn > before.turn && off.shift > before.shift, "{before:?} {off:?}");
     run.intent(Intent::Run);
     while run.is_under_way() {
         run.advance();

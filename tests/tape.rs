@@ -75,6 +75,35 @@ fn another_tape_takes_the_place_of_the_first() {
     assert_eq!(run.snapshot().settings.tape.map(|tape| tape.length), Some(4.0));
 }
 
+/// One that cannot be of the same wall leaves the map, and what is said of it, as the one before made them.
+#[test]
+fn a_tape_that_is_refused_takes_the_place_of_none() {
+    let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");
+    let settings = Settings { seed: 1, ..Settings::new(world.start) };
+    let mut run = common::begun(&world, settings, NoiseProfile::Raw);
+    for _ in 0..3 {
+        run.intent(Intent::StepPhase);
+        while run.snapshot().run != RunState::Paused {
+            run.advance();
+        }
+    }
+    let tell = |run: &mut SimulatedRun<Sink>, taped| {
+        let Tape { from, to, length } = held((0.0, 0.0), (5.0, 0.0), taped);
+        run.intent(Intent::SetTape { from, to, length });
+    };
+    tell(&mut run, 5.0);
+    let first = run.snapshot().map;
+    assert!(first.taped.is_some());
+    tell(&mut run, 6.0);
+    let map = run.snapshot().map;
+    assert_eq!((map.taped, map.untaped, &map.shape), (first.taped, None, &first.shape));
+    assert_eq!(run.snapshot().settings.tape.map(|tape| tape.length), Some(5.0));
+    let told: Vec<String> =
+        run.session().events().iter().map(|event| event.kind.to_string()).collect();
+    assert!(!told.iter().any(|text| text.contains("counts no longer")), "{told:?}");
+    assert!(told.iter().any(|text| text.contains("taped length not used")), "{told:?}");
+}
+
 #[test]
 fn a_tape_may_be_told_at_any_time_before_the_plan_is_driven() {
     let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");

@@ -18,7 +18,7 @@ mod wishes;
 use super::event::{Event, EventKind, Failure};
 use super::follow::{Ask, AtRest};
 use super::map::{Contact, Phase, RoomMap};
-use super::network::Network;
+use super::network::{Network, Offset};
 use super::odometry::Tracker;
 use super::relocate::{About, Relocation};
 use super::retrace::{Beside, Retrace};
@@ -120,6 +120,8 @@ pub struct Mission {
     afresh: bool,
     /// How often the tour went on after all was adjusted: once at most.
     went_on: u32,
+    /// What the place is off by at which the lap was begun anew; none where it is the start, or the operator's word.
+    begun_off: Option<Offset>,
 }
 
 impl Mission {
@@ -155,6 +157,7 @@ impl Mission {
             trust: Trust::new(&settings.chassis),
             afresh: false,
             went_on: 0,
+            begun_off: None,
             settings,
         }
     }

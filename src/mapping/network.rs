@@ -26,7 +26,7 @@ mod record;
 mod surface;
 mod thin;
 
-pub use datum::Datum;
+pub use datum::{Datum, Offset};
 pub use record::{Glance, Reading, Rest};
 
 use super::map::{Contact, PathPoint, RoomMap};

@@ -2,11 +2,11 @@
 //! averaged in, or drop it and look for the boundary anew.
 
 use super::{Mission, Outcome, Output, Task};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, angle};
 use crate::mapping::chart::Chart;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::map::{Phase, RoomMap};
-use crate::mapping::network::Network;
+use crate::mapping::network::{Network, Offset};
 use crate::mapping::retrace::{Along, Retrace};
 use crate::mapping::search::Search;
 use crate::mapping::settings::MOST_LAPS;
@@ -76,10 +76,22 @@ impl Mission {
         }
         self.phase = Phase::Boundary;
         let here = self.tracker.pose();
+        let datum = self.map.accuracy.as_ref().and_then(|accuracy| accuracy.datum);
+        let off = datum.map_or_else(
+            // Without a shape nothing was adjusted yet, and the survey knows.
+            || {
+                let (turn, shift) = (self.survey.heading_sd(), self.survey.position_sd());
+                let before = self.begun_off.unwrap_or(Offset { turn: 0.0, shift: 0.0 });
+                let hypot = angle::hypot;
+                Offset { turn: hypot(turn, before.turn), shift: hypot(shift, before.shift) }
+            },
+            |datum| Offset { turn: datum.turn, shift: datum.shift },
+        );
         let doubted = std::mem::take(&mut self.map.doubted);
         let dropped = self.map.objects.len();
         self.map = RoomMap { doubted, ..RoomMap::default() };
         self.search_from(here);
+        self.begun_off = Some(off);
         self.tell(EventKind::PhaseBegan { phase: Phase::Boundary }, out);
         self.tell(EventKind::BegunAnew { dropped }, out);
         true
@@ -90,6 +102,7 @@ impl Mission {
     pub(super) fn search_from(&mut self, here: Pose) {
         self.tracker.begin_anew(here);
         self.network = Network::new(here);
+        self.begun_off = None;
         (self.laps, self.settings.laps) = (0, self.laps_asked);
         self.task = Task::Search(Box::new(Search::new(&self.settings, here)));
     }

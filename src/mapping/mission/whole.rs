@@ -59,7 +59,8 @@ impl Mission {
         self.survey.errs(&errors);
         self.tracker.set_bias(errors.drift);
         self.tell(EventKind::AdjustedWhole { moved, used }, out);
-        Some(Whole { datum })
+        let begun = |datum: Datum| self.begun_off.map_or(datum, |off| datum.begun_off(off));
+        Some(Whole { datum: datum.map(begun) })
     }
 
     fn adjusted(&self, within: f64, datum: bool) -> Option<Adjusted> {

@@ -60,15 +60,23 @@ impl Mission {
         if !self.plan_is_open() {
             return false;
         }
-        if let Some(before) = self.settings.tape.replace(tape) {
-            self.tell(EventKind::TapeReplaced { taped: before.length }, out);
-        }
+        let before = self.settings.tape.replace(tape);
+        let replaced = before.map(|before| EventKind::TapeReplaced { taped: before.length });
         // A lap under way is beside walls as they were mapped.
         if self.map.shape.is_none() || matches!(self.task, Task::Retrace(_)) {
+            self.tell_all(replaced.into_iter().collect(), out);
             self.tell(EventKind::TapeNoted { taped: tape.length }, out);
             return true;
         }
-        self.tape_shape(out);
+        let mut told = Vec::new();
+        self.tape_shape(&mut told);
+        if self.map.untaped.is_some() && self.map.taped.is_some() {
+            // The map stays as the one before made it.
+            (self.settings.tape, self.map.untaped) = (before, None);
+        } else {
+            self.tell_all(replaced.into_iter().collect(), out);
+        }
+        out.extend(told);
         if self.map.plan.is_some() {
             self.make_plan(out);
             self.task = Task::Tour(Box::new(Tour::new(&self.settings, &self.map, &self.survey)));

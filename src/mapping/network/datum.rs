@@ -10,7 +10,7 @@
 
 use super::chain::Sureness;
 use super::surface::{Surfaces, UNKNOWNS};
-use crate::geometry::{Point, Vector, perp};
+use crate::geometry::{Point, Vector, angle, perp};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,23 @@ pub struct Datum {
     pub within: f64,
 }
 
+/// What the place is off by, at which a lap was begun anew: all that is mapped from there is off by it together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offset {
+    /// One standard deviation of the heading, radians.
+    pub turn: f64,
+    /// Of the position: root of the sum of the variances in x and y, metres.
+    pub shift: f64,
+}
+
 impl Datum {
+    /// The same for a map that was begun at a place which was off by itself.
+    #[must_use]
+    pub fn begun_off(self, by: Offset) -> Self {
+        let turn = angle::hypot(self.turn, by.turn);
+        Self { turn, shift: angle::hypot(self.shift, by.shift), ..self }
+    }
+
     /// Of the adjusted `surfaces`, whose unknowns begin at `first` in the border, and on which `places` were
     /// seen; none where they do not tell a turn from a displacement, as on a circle and nothing else.
     pub(super) fn of(

@@ -45,6 +45,13 @@ impl<W: Write> LiveRun<W> {
         {
             return Some(why);
         }
+        // Until then `STOPPING` stands on the screen, and so it should.
+        let moves = self.session.as_ref().is_some_and(|session| session.mission().is_moving());
+        if intent == Intent::ClearStop && moves && !self.host.is_at_rest() {
+            return Some(
+                "the robot has not said yet that it stands: clear the stop then".to_owned(),
+            );
+        }
         // Set going before, it would go on from where it was, and nobody would tell it any more that it is
         // somewhere else.
         let waits = self.settling.is_some() || self.carried.is_some();

@@ -62,6 +62,20 @@ fn a_line_that_took_a_command_with_it_is_back_once_and_for_all() {
     goes_on(&mut rig);
 }
 
+/// Nobody heard the robot stop: the stop is not cleared before somebody has.
+#[test]
+fn a_stop_that_nobody_answered_is_not_cleared() {
+    let mut rig = under_way(20.0);
+    rig.line = Passage::Cut;
+    assert!(rig.until(3.0, |rig| matches!(rig.run.host().health(), Health::Lost(_))));
+    rig.run.intent(Intent::ClearStop, rig.now);
+    assert_eq!(rig.run_state(), RunState::Stopped);
+    assert_eq!(rig.alarms("has not said yet that it stands"), 1);
+    rig.line = Passage::Open;
+    rig.until(6.0, |_| false);
+    goes_on(&mut rig);
+}
+
 /// Set going while the line is gone, the robot does not drive off by itself when it is back.
 #[test]
 fn nothing_waits_for_a_line_that_is_gone() {

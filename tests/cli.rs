@@ -610,6 +610,10 @@ fn a_frame_of_a_record() {
     let frame = periplus(&["snapshot", "--replay", dir, "--at", "60", "--size", "80x24"]);
     let text = String::from_utf8_lossy(&frame.stdout);
     assert!(text.contains("0:01:00") || text.contains("0:00:59"), "{text}");
+    assert!(
+        text.contains("replay 60/") && !text.contains("stop"),
+        "of then, and not of now: {text}"
+    );
     assert_eq!(text.lines().count(), 24);
     refused(&["snapshot", "--replay", dir, "--at", "99999", "--size", "80x24"], &["ends at"]);
     // Results that were lost, as after a kill, are made again from the record.

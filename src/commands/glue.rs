@@ -12,7 +12,7 @@ use crate::console::theme::{self, Theme};
 use crate::console::{Keymap, frame};
 use crate::journal::{Header, Journal, Recording, Torn};
 use crate::runtime::driver::{RealClock, SimulatedDriver};
-use crate::runtime::recorded::RecordedDriver;
+use crate::runtime::recorded::{RecordedDriver, looked_back_at};
 use crate::runtime::simulated::{Headless, SimulatedRun};
 use crate::runtime::{OutputFolder, Runner, Signal, Signals};
 use crate::session::Replay;
@@ -265,7 +265,7 @@ pub fn snapshot_of_record(
         );
         return Err(CommandError::Input(why));
     }
-    let snapshot = replay.session().snapshot();
+    let snapshot = looked_back_at(replay.session().snapshot(), at.min(end), end);
     Ok(frame::render(&model, &snapshot, format_of(format)))
 }
 

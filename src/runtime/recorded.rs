@@ -146,15 +146,21 @@ fn record_end(replay: &Replay) -> Option<String> {
     })
 }
 
+/// How a run was `at` of `all` seconds: said to be of then, lest it is taken for what is, and what happened is not
+/// changed any more.
+#[must_use]
+pub fn looked_back_at(snapshot: Snapshot, at: f64, all: f64) -> Snapshot {
+    let source = format!("replay {at:.0}/{all:.0} s of {}", snapshot.source);
+    Snapshot { source, recorded: true, alpha_is_open: false, laps_are_open: false, ..snapshot }
+}
+
 impl Driver for RecordedDriver {
     fn snapshot(&self) -> Snapshot {
-        let mut snapshot = self.replay.session().snapshot();
-        let (at, all) = (self.at.min(self.replay.duration()), self.replay.duration());
-        let sound = self.replay.difference().map_or("", |_| ", DIFFERS FROM THE RUN");
-        snapshot.source = format!("replay {at:.0}/{all:.0} s of {}{sound}", snapshot.source);
-        // What happened is not changed any more.
-        (snapshot.recorded, snapshot.alpha_is_open) = (true, false);
-        snapshot.laps_are_open = false;
+        let all = self.replay.duration();
+        let mut snapshot = looked_back_at(self.replay.session().snapshot(), self.at.min(all), all);
+        if self.replay.difference().is_some() {
+            snapshot.source.push_str(", DIFFERS FROM THE RUN");
+        }
         snapshot.record_end = record_end(&self.replay);
         if !self.playing && !self.replay.is_complete() {
             (snapshot.run, snapshot.latched) = (RunState::Paused, false);

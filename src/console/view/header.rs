@@ -44,6 +44,7 @@ fn speed(model: &Model, snapshot: &Snapshot) -> (String, Role) {
         }
         (Known::Stale { .. }, _) => (" NOT HEARD ".to_owned(), Role::Paused),
         (_, Some(speed)) => (speed.to_string(), Role::Muted),
+        (_, None) if snapshot.recorded => ("recorded".to_owned(), Role::Muted),
         (Known::Known(_), None) => ("live".to_owned(), Role::Muted),
         (Known::Unknown, None) => ("not heard yet".to_owned(), Role::Unknown),
     }

@@ -92,7 +92,7 @@ impl AlongWall {
     #[must_use]
     pub fn of(contacts: &[Contact], reach: f64) -> Self {
         let way: Vec<Segment> = legs(contacts).collect();
-        let ordered = spur::on_this_side(order::along_wall(contacts, reach), &way, reach);
+        let ordered = spur::on_this_side(&order::along_wall(contacts, reach), &way, reach);
         Self { made: contacts.to_vec(), ordered, reach }
     }
 

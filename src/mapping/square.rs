@@ -113,7 +113,9 @@ pub fn square(outline: &Ring) -> Option<(Ring, Squared)> {
         if wrong.iter().all(|k| turns[*k].is_none()) {
             break corners;
         }
-        wrong.into_iter().for_each(|k| turns[k] = None);
+        for k in wrong {
+            turns[k] = None;
+        }
     };
     let count = turns.iter().flatten().count();
     if count < 2 {

@@ -2,11 +2,11 @@
 //! averaged in, or drop it and look for the boundary anew.
 
 use super::{Mission, Outcome, Output, Task};
-use crate::geometry::{Pose, angle};
+use crate::geometry::Pose;
 use crate::mapping::chart::Chart;
 use crate::mapping::event::{EventKind, Failure};
 use crate::mapping::map::{Phase, RoomMap};
-use crate::mapping::network::{Network, Offset};
+use crate::mapping::network::{Datum, Network, Offset};
 use crate::mapping::retrace::{Along, Retrace};
 use crate::mapping::search::Search;
 use crate::mapping::settings::MOST_LAPS;
@@ -77,16 +77,13 @@ impl Mission {
         self.phase = Phase::Boundary;
         let here = self.tracker.pose();
         let datum = self.map.accuracy.as_ref().and_then(|accuracy| accuracy.datum);
-        let off = datum.map_or_else(
-            // Without a shape nothing was adjusted yet, and the survey knows.
-            || {
-                let (turn, shift) = (self.survey.heading_sd(), self.survey.position_sd());
-                let before = self.begun_off.unwrap_or(Offset { turn: 0.0, shift: 0.0 });
-                let hypot = angle::hypot;
-                Offset { turn: hypot(turn, before.turn), shift: hypot(shift, before.shift) }
-            },
-            |datum| Offset { turn: datum.turn, shift: datum.shift },
-        );
+        // Without a shape nothing was adjusted yet, and the survey knows.
+        let by_survey = || {
+            let (turn, shift) = (self.survey.heading_sd(), self.survey.position_sd());
+            let off = Offset { turn, shift };
+            self.begun_off.map_or(off, |before| before.and(off))
+        };
+        let off = datum.as_ref().map_or_else(by_survey, Datum::offset);
         let doubted = std::mem::take(&mut self.map.doubted);
         let dropped = self.map.objects.len();
         self.map = RoomMap { doubted, ..RoomMap::default() };

@@ -39,12 +39,27 @@ pub struct Offset {
     pub shift: f64,
 }
 
+impl Offset {
+    /// Both, one after the other.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let hypot = angle::hypot;
+        Self { turn: hypot(self.turn, other.turn), shift: hypot(self.shift, other.shift) }
+    }
+}
+
 impl Datum {
+    /// What all of it is off by.
+    #[must_use]
+    pub fn offset(&self) -> Offset {
+        Offset { turn: self.turn, shift: self.shift }
+    }
+
     /// The same for a map that was begun at a place which was off by itself.
     #[must_use]
     pub fn begun_off(self, by: Offset) -> Self {
-        let turn = angle::hypot(self.turn, by.turn);
-        Self { turn, shift: angle::hypot(self.shift, by.shift), ..self }
+        let Offset { turn, shift } = self.offset().and(by);
+        Self { turn, shift, ..self }
     }
 
     /// Of the adjusted `surfaces`, whose unknowns begin at `first` in the border, and on which `places` were

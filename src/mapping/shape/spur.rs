@@ -14,7 +14,7 @@ const LARGEST: f64 = 0.1;
 /// Contacts `ordered` along the wall without spurs that come back, nearer than `reach` metres (body radius plus range
 /// of the switches), to where they left this side; `way` is where the robot drove. The mouths of two passages are
 /// crossed as well, but then what lies between them is of this side, and farther from end to end.
-pub(super) fn on_this_side(ordered: Vec<Contact>, way: &[Segment], reach: f64) -> Vec<Contact> {
+pub(super) fn on_this_side(ordered: &[Contact], way: &[Segment], reach: f64) -> Vec<Contact> {
     let surface: Vec<usize> =
         (0..ordered.len()).filter(|&k| ordered[k].kind != ContactKind::Edge).collect();
     let driven_over = |pair: &&[usize]| {
@@ -107,7 +107,8 @@ mod tests {
         let order = |points: &[Point], way: &[Point]| {
             let way: Vec<Segment> =
                 way.windows(2).map(|two| Segment::new(two[0], two[1])).collect();
-            let kept = on_this_side(points.iter().map(seen).collect(), &way, 0.16);
+            let contacts: Vec<Contact> = points.iter().map(seen).collect();
+            let kept = on_this_side(&contacts, &way, 0.16);
             kept.iter().map(|contact| contact.point).collect::<Vec<Point>>()
         };
         let wall = |from: u32, to: u32| (from..=to).map(|k| p(f64::from(k) * 0.05, 0.0));

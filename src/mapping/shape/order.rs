@@ -21,6 +21,10 @@ const CHAIN: usize = 4;
 const SIDE: f64 = 0.4;
 /// How much wall at most is seen twice at the end of a lap, metres of travel.
 const OVERLAP: f64 = 1.6;
+/// Places nearer to each other than this are one: the robot comes to rest there and turns, metres.
+const SAME_STAND: f64 = 0.05;
+/// Two walls face each other's way by less than this where they make a corner (cosine).
+const CORNERED: f64 = 0.5;
 /// A contact is no second look at another when the places and the places they were seen from are farther
 /// apart than this together, metres: a wall is looked at every half metre.
 const SAME_LOOK: f64 = 1.0;
@@ -32,7 +36,7 @@ pub(super) fn along_wall(contacts: &[Contact], reach: f64) -> Vec<Contact> {
     let usable = contacts.iter().filter(|c| is_finite(c));
     let (edges, mut surface): (Vec<Contact>, Vec<Contact>) =
         usable.copied().partition(|c| c.kind == ContactKind::Edge);
-    surface.truncate(end_of_lap(&surface));
+    end_lap(&mut surface);
     let mut surface = once_round(&without_pockets(&surface, reach), reach);
     shorten(&mut surface);
     let half = surface.len() / 2;
@@ -86,6 +90,20 @@ fn end_of_lap(contacts: &[Contact]) -> usize {
         }
     }
     best.1
+}
+
+/// Leaves out what was seen after the first time round; but where that ends in a corner, not the wall that leads there
+/// and was met last, from about the place where the lap ended.
+fn end_lap(contacts: &mut Vec<Contact>) {
+    let end = end_of_lap(contacts);
+    let Some(last) = end.checked_sub(1).map(|k| contacts[k]) else { return };
+    let towards = |c: &Contact| (c.from - c.point).normalize();
+    let is_there = |c: &&Contact| (c.from - last.from).norm() < SAME_STAND;
+    let turns_there = |c: &&Contact| towards(c).dot(&towards(&last)) < CORNERED;
+    let late: Vec<Contact> =
+        contacts[end..].iter().take_while(is_there).filter(turns_there).copied().collect();
+    contacts.truncate(end);
+    contacts.extend(late);
 }
 
 /// Whether the floor, where the robot was, lies on the left of the way.
@@ -353,6 +371,33 @@ mod tests {
         round.extend(along(1.0, 0.0).map(|x| seen(x, 0.0, -1.0)));
         round.extend([0.0, 0.05, 0.1].map(|x| seen(x, 0.02, 1.0)));
         assert_eq!(end_of_lap(&round), round.len());
+    }
+
+    #[test]
+    fn a_lap_that_ends_in_a_corner_ends_with_both_its_walls() {
+        // Begun 0.2 m from the corner; back there the robot sees where it began, turns, and sees the wall that
+        // leads there, and where it began again.
+        let upright = |y: f64, from: (f64, f64)| Contact {
+            point: Point::new(0.0, y),
+            from: Point::new(from.0, from.1),
+            ..seen(0.0, 0.0, 1.0)
+        };
+        let mut round: Vec<Contact> =
+            (0..20).map(|k| seen(0.2 + f64::from(k) * 0.2, 0.0, 1.0)).collect();
+        round.extend((0..20).map(|k| {
+            let y = 4.0 - f64::from(k) * 0.18;
+            upright(y, (0.145, y))
+        }));
+        round.push(seen(0.2, 0.0, 1.0));
+        let mut whole = round.clone();
+        let corner = [0.2, 0.05].map(|y| upright(y, (0.2, 0.15)));
+        whole.extend(corner);
+        round.push(corner[0]);
+        round.push(seen(0.22, 0.0, 1.0));
+        round.push(corner[1]);
+        round.extend([0.5, 0.8].map(|x| seen(x, 0.0, 1.0)));
+        end_lap(&mut round);
+        assert_eq!(round, whole);
     }
 
     #[test]

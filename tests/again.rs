@@ -4,6 +4,8 @@
 mod common;
 #[path = "common/reported.rs"]
 mod reported;
+#[path = "common/stepped.rs"]
+mod stepped;
 
 use periplus::console::Keymap;
 use periplus::console::frame::planes;
@@ -17,6 +19,7 @@ use periplus::runtime::simulated::SimulatedRun;
 use periplus::session::snapshot::RunState;
 use periplus::simulator::{NoiseProfile, World};
 use std::io::Sink;
+use stepped::step_phase;
 
 const ROOM: &str = include_str!("../sims/l_room.toml");
 
@@ -54,17 +57,6 @@ fn crookedness(map: &RoomMap) -> f64 {
     (off / pairs.len() as f64).sqrt()
 }
 
-fn until_paused(run: &mut SimulatedRun<Sink>) {
-    while run.is_under_way() && run.session().run_state() != RunState::Paused {
-        run.advance();
-    }
-}
-
-fn step(run: &mut SimulatedRun<Sink>) {
-    run.intent(Intent::StepPhase);
-    until_paused(run);
-}
-
 fn told(run: &SimulatedRun<Sink>, what: impl Fn(&EventKind) -> bool) -> usize {
     run.session().events().iter().filter(|event| what(&event.kind)).count()
 }
@@ -87,14 +79,14 @@ fn a_lap_more_may_be_asked_for_until_a_line_is_driven() {
     let world = world();
     let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::Calibrated);
     for _ in 0..3 {
-        step(&mut run);
+        step_phase(&mut run);
     }
     assert_eq!(run.snapshot().phase, Phase::Objects);
     run.intent(Intent::LapAgain);
     assert_eq!(run.snapshot().phase, Phase::Boundary, "back to the boundary");
     assert!(run.snapshot().progress.iter().all(|phase| !phase.done), "all phases come again");
     for _ in 0..3 {
-        step(&mut run);
+        step_phase(&mut run);
     }
     assert_eq!(told(&run, |kind| matches!(kind, EventKind::LapAveraged { lap: 2, .. })), 1);
     assert_eq!(run.snapshot().map.laps, 2);
@@ -149,8 +141,8 @@ fn a_lap_that_is_dropped_is_driven_anew() {
     let world = world();
     let mut run = common::begun(&world, Settings::new(world.start), NoiseProfile::Calibrated);
     run.intent(Intent::LapAgain);
-    step(&mut run);
-    step(&mut run);
+    step_phase(&mut run);
+    step_phase(&mut run);
     assert!(run.snapshot().map.shape.is_some());
     let datum = |run: &SimulatedRun<Sink>| {
         run.snapshot().map.accuracy.and_then(|accuracy| accuracy.datum).expect("stated")
@@ -160,10 +152,10 @@ fn a_lap_that_is_dropped_is_driven_anew() {
     assert_eq!(run.snapshot().settings.laps, 1);
     let map = run.snapshot().map;
     assert!(map.shape.is_none() && !map.closed && map.contacts.is_empty(), "nothing is left of it");
-    step(&mut run);
+    step_phase(&mut run);
     assert_eq!(told(&run, |kind| matches!(kind, EventKind::LapClosed { extrinsic: false, .. })), 2);
     assert!(run.snapshot().map.closed);
-    step(&mut run);
+    step_phase(&mut run);
     // It began where the robot was by the lap before, and is off with that.
     let off = datum(&run);
     assert!(off.turn > before.turn && off.shift > before.shift, "{before:?} {off:?}");
@@ -262,10 +254,10 @@ fn a_lap_more_still_knows_what_is_behind_a_strait() {
     let world = World::from_toml(STRAIT, "strait", 0.1).expect("a world");
     let settings = Settings { seed: 2, ..Settings::new(world.start) };
     let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
-    (0..3).for_each(|_| step(&mut run));
+    (0..3).for_each(|_| step_phase(&mut run));
     assert_eq!(run.snapshot().map.beyond.len(), 1, "the lap went through it");
     run.intent(Intent::LapAgain);
-    (0..3).for_each(|_| step(&mut run));
+    (0..3).for_each(|_| step_phase(&mut run));
     assert_eq!(run.session().run_state(), RunState::Paused);
     let map = run.snapshot().map;
     assert_eq!((map.laps, map.beyond.len()), (2, 1));
@@ -278,12 +270,12 @@ fn a_lap_after_a_tape_begins_where_the_wall_is_now() {
     let world = world();
     let settings = Settings { seed: 1, ..Settings::new(world.start) };
     let mut run = common::begun(&world, settings, NoiseProfile::Raw);
-    (0..3).for_each(|_| step(&mut run));
+    (0..3).for_each(|_| step_phase(&mut run));
     let (from, to) = (Point::new(0.0, 0.0), Point::new(5.0, 0.0));
     run.intent(Intent::SetTape { from, to, length: 5.06 });
     run.intent(Intent::LapAgain);
     let before = run.snapshot().progress[0].commands;
-    step(&mut run);
+    step_phase(&mut run);
     let map = run.snapshot().map;
     assert_eq!(map.laps, 2);
     assert!(map.doubted.is_empty(), "{:?}", map.doubted);
@@ -341,7 +333,7 @@ fn laps_are_offered_until_a_line_is_driven_and_on_a_lap_more() {
     };
     assert!(!footer(&run, 160).contains("L B lap"), "no lap has closed");
     for phase in ["boundary", "shape", "plan"] {
-        step(&mut run);
+        step_phase(&mut run);
         assert!(footer(&run, 160).contains("L B lap"), "{phase}: {}", footer(&run, 160));
     }
     // With a plan to look at, α comes first where there is no room for both.
@@ -352,7 +344,7 @@ fn laps_are_offered_until_a_line_is_driven_and_on_a_lap_more() {
     let mut dropped = run.session().clone();
     dropped.intent(Intent::LapAnew, &mut Vec::new());
     assert!(!dropped.mission().map().closed, "what is offered is taken");
-    (0..3).for_each(|_| step(&mut run));
+    (0..3).for_each(|_| step_phase(&mut run));
     assert!(run.session().mission().map().plan.is_some());
     for _ in 0..20 {
         if run.session().mission().plan_is_open() {

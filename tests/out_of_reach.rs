@@ -3,14 +3,16 @@
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "common/stepped.rs"]
+mod stepped;
 
 use periplus::geometry::Point;
 use periplus::mapping::map::{Phase, RoomMap};
 use periplus::mapping::settings::Settings;
 use periplus::mapping::unreached::{Beyond, Unreached};
 use periplus::robot::Intent;
-use periplus::session::snapshot::RunState;
 use periplus::simulator::{NoiseProfile, World};
+use stepped::step_phase;
 
 /// Niches of 0.10, 0.15 and 0.20 m in one wall and of 0.25 m in another, and a corner closed off by two
 /// boards that stand 0.25 m apart.
@@ -130,12 +132,7 @@ fn a_tape_laid_later_leaves_the_end_of_the_map_where_it_is() {
     let world = chicane(0.27, 0.25);
     let settings = Settings { seed: 55, ..Settings::new(world.start) };
     let mut run = common::begun(&world, settings, NoiseProfile::Calibrated);
-    for _ in 0..3 {
-        run.intent(Intent::StepPhase);
-        while run.snapshot().run != RunState::Paused {
-            run.advance();
-        }
-    }
+    (0..3).for_each(|_| step_phase(&mut run));
     let area = |map: &RoomMap| map.shape.as_ref().expect("a shape").outline.area();
     let before = area(&run.snapshot().map);
     let (from, to) = (Point::new(0.0, 0.0), Point::new(2.25, 0.0));

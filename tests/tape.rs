@@ -3,6 +3,8 @@
 #![expect(clippy::expect_used, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "common/stepped.rs"]
+mod stepped;
 
 use periplus::geometry::Point;
 use periplus::mapping::map::{Phase, RoomMap};
@@ -10,9 +12,9 @@ use periplus::mapping::settings::Settings;
 use periplus::mapping::tape::Tape;
 use periplus::robot::Intent;
 use periplus::runtime::simulated::SimulatedRun;
-use periplus::session::snapshot::RunState;
 use periplus::simulator::{NoiseProfile, World};
 use std::io::Sink;
+use stepped::step_phase;
 
 const ROOM: &str = include_str!("../sims/rectangle.toml");
 
@@ -81,12 +83,7 @@ fn a_tape_that_is_refused_takes_the_place_of_none() {
     let world = World::from_toml(ROOM, "rectangle", 0.1).expect("a world");
     let settings = Settings { seed: 1, ..Settings::new(world.start) };
     let mut run = common::begun(&world, settings, NoiseProfile::Raw);
-    for _ in 0..3 {
-        run.intent(Intent::StepPhase);
-        while run.snapshot().run != RunState::Paused {
-            run.advance();
-        }
-    }
+    (0..3).for_each(|_| step_phase(&mut run));
     let tell = |run: &mut SimulatedRun<Sink>, taped| {
         let Tape { from, to, length } = held((0.0, 0.0), (5.0, 0.0), taped);
         run.intent(Intent::SetTape { from, to, length });
@@ -118,10 +115,7 @@ fn a_tape_may_be_told_at_any_time_before_the_plan_is_driven() {
                 if phase == told_after {
                     run.intent(tell);
                 }
-                run.intent(Intent::StepPhase);
-                while run.snapshot().run != RunState::Paused {
-                    run.advance();
-                }
+                step_phase(&mut run);
             }
             if told_after == 3 {
                 run.intent(tell);

@@ -249,8 +249,8 @@ impl ErrorFile {
     fn of(map: &RoomMap) -> Option<Self> {
         let (accuracy, shape) = (map.accuracy.as_ref()?, map.shape.as_ref()?);
         // What is no number is not stated as an error of none.
-        let all = accuracy.walls.iter().chain(&accuracy.corners);
-        if !all.into_iter().all(|sd| sd.is_finite()) {
+        let mut all = accuracy.walls.iter().chain(&accuracy.corners).chain(&accuracy.objects);
+        if !all.all(|sd| sd.is_finite()) {
             return None;
         }
         let mm = |metres: &f64| (metres * 1e3).ceil() as u32;
@@ -376,6 +376,15 @@ mod tests {
         assert_eq!(map, back);
         let ring = back.boundary.expect("a boundary").ring();
         assert!((ring.area() - sample::outline().area()).abs() < 1e-3, "area {}", ring.area());
+    }
+
+    #[test]
+    fn an_error_that_is_no_number_is_not_stated_as_none() {
+        let mut sample = sample::room();
+        assert!(MapFile::of(&sample.record()).errors.is_some());
+        let accuracy = sample.map.accuracy.as_mut().expect("stated");
+        accuracy.corners[0] = f64::NAN;
+        assert_eq!(MapFile::of(&sample.record()).errors, None);
     }
 
     #[test]

@@ -79,8 +79,9 @@ impl Mission {
         let datum = self.map.accuracy.as_ref().and_then(|accuracy| accuracy.datum);
         // Without a shape nothing was adjusted yet, and the survey knows.
         let by_survey = || {
-            let (turn, shift) = (self.survey.heading_sd(), self.survey.position_sd());
-            let off = Offset { turn, shift };
+            // It knows the worse of two directions; both are no worse than that.
+            let shift = self.survey.position_sd() * f64::sqrt(2.0);
+            let off = Offset { turn: self.survey.heading_sd(), shift };
             self.begun_off.map_or(off, |before| before.and(off))
         };
         let off = datum.as_ref().map_or_else(by_survey, Datum::offset);

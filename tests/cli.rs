@@ -502,6 +502,9 @@ fn a_chassis_is_read_strictly() {
     let (world, file) = (dir.join("room.toml"), dir.join("robot.toml"));
     fs::write(&world, ROOM).expect("a world");
     let (world, shown) = (world.to_str().expect("a path"), file.to_str().expect("a path"));
+    let switch = |(name, angle)| format!("[[sensors]]\nname = \"{name}\"\nangle = {angle}\n");
+    let namesakes: String =
+        [("front", 0), ("left", 90), ("right", -90), ("left", 45)].map(switch).concat();
     let cases: &[(&str, &[&str])] = &[
         ("radius = 0.1\nrang = 0.05\n", &["robot.toml:2:", "`rang`", "did you mean `range`"]),
         ("radius = -1\n", &["robot.toml:1:", "`radius`", "between"]),
@@ -512,6 +515,7 @@ fn a_chassis_is_read_strictly() {
         ("[[sensors]]\nname = \"front\"\nangel = 0\n", &["robot.toml:3:", "`angel`", "`angle`"]),
         ("speed = \"fast\"\n", &["robot.toml:1:", "`speed`", "a string"]),
         ("range = 0.02\nhysteresis = 0.05\n", &["robot.toml:2:", "larger than the range"]),
+        (&namesakes, &["robot.toml:1:", "two switches are called \"left\""]),
     ];
     for (text, words) in cases {
         fs::write(&file, text).expect("a chassis");

@@ -158,6 +158,15 @@ fn as_of_a_real_robot(dir: &Path) -> (Header, Vec<Record>) {
     (header, records)
 }
 
+/// Writes the record of a boundary as that of a run that was to go on behind it, and broke off there.
+fn begun_to_the_end(header: &Header, records: &[Record], real: &Path) {
+    let header = Header { until: None, ..header.clone() };
+    let mut journal = Journal::begin(Vec::new(), &header).expect("memory");
+    let ended = |record: &Record| matches!(record.entry, Entry::PhaseEnd(_));
+    records.iter().take_while(|it| !ended(it)).for_each(|record| journal.record(record));
+    fs::write(real.join("journal"), journal.finish().expect("memory")).expect("a record");
+}
+
 /// What was asked for is done: nobody is told to ask for less of it, or for nothing.
 #[test]
 fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
@@ -183,7 +192,10 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
         &["--until was boundary and is now objects; leave it out to go on"],
     );
     // What can no longer be had is refused as well, and not left out without a word.
-    let cases: [(&[&str], &str); 3] = [
+    let cases: [(&[&str], &str); 6] = [
+        (&["--plan", "paper"], "--plan was lean and is now paper"),
+        (&["--contour", "two-pass"], "--contour was full-loop and is now two-pass"),
+        (&["--start", "0.5,-1,90"], "--start was 1,1,20 and is now 0.5,-1,90"),
         (&["--laps", "3"], "--laps was 1 and is now 3"),
         (&["--square"], "--square was not given and is now given"),
         (&["--tape", "0,0:5,-1=5.02"], "--tape was not given and is now 0,0:5,-1=5.02"),
@@ -191,6 +203,13 @@ fn a_run_that_is_over_is_not_gone_on_with_and_says_what_to_do() {
     for (flags, why) in cases {
         refused(&[&resume[..], flags].concat(), &[why, "leave it out to go on"]);
     }
+    // A place that is not in the room is a slip of the hand.
+    begun_to_the_end(&header, &records, &real);
+    refused(
+        &[&resume[..], &["--placed", "50,1,0"]].concat(),
+        &["--placed 50,1,0 is not in the room", "from -0.", "m in y"],
+    );
+    refused(&[&resume[..], &["--placed", "1,1,0"]].concat(), &["cannot be reached"]);
     // What nobody said does not differ: a calibration goes on to the end and the laps it was begun with.
     let mut begun = header;
     (begun.settings.laps, begun.until) = (3, Some(Phase::Objects));

@@ -27,12 +27,13 @@ fn place(name: &str) -> PathBuf {
 }
 
 fn map_over(port: &str, out: &PathBuf) -> Child {
+    let said = File::create(out.with_extension("said")).expect("a file");
     Command::new(env!("CARGO_BIN_EXE_periplus"))
         .args(["run", "--start", "1,1,20", "--until", "boundary", "--port", port, "--out"])
         .arg(out)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(said)
         .spawn()
         .expect("the program starts")
 }
@@ -256,6 +257,8 @@ fn signals_stop_the_robot_and_end_the_program() {
         for file in ["journal", "report.json", "map.geojson"] {
             assert!(folder.join(file).is_file(), "{signal}: no {file}");
         }
+        let said = std::fs::read_to_string(folder.with_extension("said")).expect("what was said");
+        assert!(said.contains("--resume"), "{signal}: nobody says how to go on: {said}");
     }
 }
 

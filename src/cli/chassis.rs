@@ -84,6 +84,12 @@ fn sensors(file: &SettingsFile, entry: &Entry<'_>) -> Result<Vec<SensorMount>, A
         }
     };
     let mounts: Vec<SensorMount> = mounts?;
+    let twice =
+        mounts.iter().enumerate().find(|(k, it)| mounts[..*k].iter().any(|e| e.name == it.name));
+    if let Some((_, twice)) = twice {
+        // What is told of a switch names it.
+        return Err(file.bad(entry, &format!("two switches are called \"{}\"", twice.name)));
+    }
     if SWITCHES.contains(&mounts.len()) { Ok(mounts) } else { Err(file.bad(entry, &how_many())) }
 }
 

@@ -128,6 +128,9 @@ pub fn run(
         // Told to end, it does not wait for a terminal that takes nothing to take the last line.
         return Ok(driven.status());
     }
+    // Where it lost itself, how it ended says how to go on.
+    let told_how = driven.ending.reason.contains("--resume");
+    let unfinished = run.can_go_on() && kept != Kept::Nothing && !told_how;
     let record = run.record(&driven.ending, driven.wall_seconds);
     let said =
         |record| ending::print_squared(record).and_then(|()| ending::print_unreached(record));
@@ -140,6 +143,9 @@ pub fn run(
         status = status.max(ending::print_measured(figures, &folder)?);
     }
     ending::print(&driven.ending, &folder, &kept)?;
+    if unfinished {
+        say_unfinished(&folder);
+    }
     Ok(status)
 }
 
@@ -152,6 +158,12 @@ fn write(run: &mut LiveRun<File>, ending: &Ending, folder: &OutputFolder, second
         folder.discard_unbegun();
     }
     results.map_or(Kept::Nothing, |failures| Kept::unless(folder.complaint(recorded, &failures)))
+}
+
+/// Says how to go on with a run that has not come to its end.
+fn say_unfinished(folder: &OutputFolder) {
+    let dir = folder.path().display();
+    output::say(&format!("periplus: the run was not finished; --resume {dir} goes on with it"));
 }
 
 /// A robot under an operator's hands; the control thread has it.
@@ -220,7 +232,7 @@ pub fn console(address: &Address, screen: Options, common: &Common) -> Result<u8
     if let Some(mut run) = run {
         let left = Ending { outcome: crate::export::Outcome::Stopped, reason: why };
         let ending = run.ending().unwrap_or(left);
-        unfinished = run.ending().is_none();
+        unfinished = run.can_go_on();
         unrecorded = run.is_unrecorded();
         kept = write(&mut run, &ending, &folder, watch.seconds());
         if kept == Kept::Nothing {
@@ -231,8 +243,7 @@ pub fn console(address: &Address, screen: Options, common: &Common) -> Result<u8
     let status = if kept == Kept::Nothing && !unrecorded { 0 } else { kept.status(0) };
     glue::say_recorded(&folder, &kept);
     if unfinished && kept != Kept::Nothing {
-        let dir = folder.path().display();
-        output::say(&format!("periplus: the run was not finished; --resume {dir} goes on with it"));
+        say_unfinished(&folder);
     }
     Ok(glue::status_of(ended, status))
 }

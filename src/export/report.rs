@@ -30,7 +30,8 @@ struct Report<'a> {
     reason: &'a str,
     seed: u64,
     world: &'a str,
-    noise: &'a str,
+    /// Errors of the simulated robot; none of a real one.
+    noise: Option<&'a str>,
     alpha_m: f64,
     contour: Contour,
     phases: Vec<PhaseFigures>,
@@ -175,7 +176,7 @@ impl<'a> Report<'a> {
             reason: record.reason,
             seed: record.settings.seed,
             world: record.world,
-            noise: record.noise,
+            noise: (!record.noise.is_empty()).then_some(record.noise),
             alpha_m: record.settings.alpha,
             contour: record.settings.contour,
             phases: phases(record),
@@ -339,6 +340,9 @@ mod tests {
         for key in ["boundary", "shape", "plan"] {
             assert!(report[key].is_null(), "{key} of an empty map is {}", report[key]);
         }
+        let real = sample.record();
+        let report = parsed(&crate::export::RunRecord { noise: "", ..real });
+        assert!(report["noise"].is_null(), "a real robot errs as {}", report["noise"]);
     }
 
     /// What was driven beyond the plan is told beside what was planned, which stays what it was.

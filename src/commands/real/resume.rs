@@ -4,9 +4,10 @@
 use super::super::ending::{BOTH_WAYS, Told};
 use super::super::{CommandError, glue, output};
 use crate::cli::Common;
+use crate::geometry::{Point, Pose, ring::bounds};
 use crate::journal::{Header, JournalError, Recording};
 use crate::link::Address;
-use crate::mapping::map::Phase;
+use crate::mapping::map::{Phase, RoomMap};
 use crate::mapping::mission::Mission;
 use crate::mapping::settings::Settings;
 use crate::mapping::tape::Tape;
@@ -14,8 +15,12 @@ use crate::runtime::line::Line;
 use crate::runtime::live::{Interrupted, Plan};
 use crate::runtime::{Ending, FolderError, OutputFolder};
 use crate::session::Replay;
+use serde::Serialize;
 use std::fs::File;
 use std::path::Path;
+
+/// A place that is told by eye may be so far from where it is, metres.
+const ABOUT: f64 = 0.5;
 
 /// Plays the record of an interrupted run back into the core and opens the port to go on with it.
 pub(super) fn take_up(
@@ -58,6 +63,9 @@ pub(super) fn take_up(
     }
     let holds = replay.session().mission().settings();
     same_settings(&header.settings, holds, common).map_err(refused)?;
+    if let Some(placed) = &common.keeping.placed {
+        about_the_room(placed, replay.session().mission().map()).map_err(refused)?;
+    }
     if until.is_some() && until != header.until {
         let told = |until: Option<Phase>| until.map_or("not given".to_owned(), |to| to.to_string());
         let (was, now) = (told(header.until), told(until));
@@ -132,6 +140,25 @@ fn reopen(dir: &Path) -> Result<(OutputFolder, File), CommandError> {
     }
 }
 
+/// Refuses a place far from the room that is mapped: no search for it would end there.
+fn about_the_room(placed: &Pose, map: &RoomMap) -> Result<(), String> {
+    let walls: Vec<Point> = map.contacts.iter().map(|contact| contact.point).collect();
+    let Some((low, high)) = bounds(&walls).filter(|_| map.closed) else { return Ok(()) };
+    let at = placed.position;
+    let is_near = |at: f64, low: f64, high: f64| (low - ABOUT..=high + ABOUT).contains(&at);
+    if is_near(at.x, low.x, high.x) && is_near(at.y, low.y, high.y) {
+        return Ok(());
+    }
+    Err(format!(
+        "--placed {} is not in the room, which goes from {:.1} to {:.1} m in x and from {:.1} to {:.1} m in y",
+        as_place(placed),
+        low.x,
+        high.x,
+        low.y,
+        high.y
+    ))
+}
+
 /// A run goes on as it was begun, and as its operator changed it since: a flag that says something else than
 /// what `holds` now is refused with the difference.
 fn same_settings(begun: &Settings, holds: &Settings, common: &Common) -> Result<(), String> {
@@ -147,16 +174,16 @@ fn same_settings(begun: &Settings, holds: &Settings, common: &Common) -> Result<
         same("--alpha", &begun.alpha, &holds.alpha, &now, f64::to_string)?;
     }
     if let Some(now) = mapping.plan {
-        same("--plan", &begun.strategy, &holds.strategy, &now, |plan| format!("{plan:?}"))?;
+        same("--plan", &begun.strategy, &holds.strategy, &now, as_word)?;
     }
     if let Some(now) = mapping.contour {
-        same("--contour", &begun.contour, &holds.contour, &now, |contour| format!("{contour:?}"))?;
+        same("--contour", &begun.contour, &holds.contour, &now, as_word)?;
     }
     if let Some(now) = robot.seed {
         same("--seed", &begun.seed, &holds.seed, &now, u64::to_string)?;
     }
     if let Some(now) = robot.start {
-        same("--start", &begun.start, &holds.start, &now, |start| format!("{start:?}"))?;
+        same("--start", &begun.start, &holds.start, &now, as_place)?;
     }
     if let Some(now) = mapping.laps {
         // Fewer than it was begun with are those after which the robot could not go on: nobody wished for them.
@@ -188,6 +215,20 @@ fn same<T: PartialEq>(
     let then = if begun == holds { String::new() } else { format!(", then {},", tell(holds)) };
     let (was, now) = (tell(begun), tell(now));
     Err(format!("{flag} was {was}{then} and is now {now}; leave it out to go on"))
+}
+
+/// A choice as its flag takes it: records spell it the same way.
+fn as_word(choice: &impl Serialize) -> String {
+    let word = serde_json::to_value(choice).ok();
+    word.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
+}
+
+/// A pose as its flag takes it: metres and degrees, to a thousandth.
+fn as_place(pose: &Pose) -> String {
+    let to_thousandth = |value: f64| (value * 1000.0).round() / 1000.0;
+    let [x, y, degrees] =
+        [pose.position.x, pose.position.y, pose.heading.to_degrees()].map(to_thousandth);
+    format!("{x},{y},{degrees}")
 }
 
 /// A taped length as its flag takes it, metres.

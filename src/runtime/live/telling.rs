@@ -71,6 +71,12 @@ impl<W: Write> LiveRun<W> {
         self.session.as_ref().and_then(Ending::of).or_else(|| self.ended.clone())
     }
 
+    /// Whether there is a run that has not come to its end, whatever ended it here: its record can be gone on with.
+    #[must_use]
+    pub fn can_go_on(&self) -> bool {
+        self.session.as_ref().is_some_and(|session| Ending::of(session).is_none())
+    }
+
     /// Whether the record could not be written, from its beginning or from some time on.
     #[must_use]
     pub fn is_unrecorded(&self) -> bool {

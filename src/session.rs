@@ -335,12 +335,18 @@ impl Session {
         }
     }
 
-    /// Tells the operator something that is no business of the mission: of the link, of the record. A
-    /// record of the run does not bring it back, so it leaves the run as it is.
+    /// Tells the operator something that is no business of the mission: of the link, of the record. No report
+    /// of the robot brings it back, so it leaves the run as it is.
     pub fn remark(&mut self, what: String, out: &mut Vec<Outgoing>) {
         self.version += 1;
         let time_us = self.mission.tracker().time_us();
         self.keep(Event { time_us, kind: EventKind::Alarm { what } }, out);
+    }
+
+    /// What was remarked when the run was driven, from its record.
+    pub(super) fn remarked(&mut self, event: Event) {
+        self.version += 1;
+        self.keep(event, &mut Vec::new());
     }
 
     /// The program itself is at fault, as `what` says: the robot is stopped, and the run is over.

@@ -342,6 +342,9 @@ fn a_stop_does_not_cover_the_robot_and_a_question_is_whole() {
     let model = Model { overlay: Overlay::ConfirmFinish, ..Model::new(60, 16, Keymap::default()) };
     let (symbols, _) = frame::planes(&model, &run.snapshot());
     assert!(symbols.contains("kept.") && symbols.contains("End it?"), "{symbols}");
+    let model = Model { overlay: Overlay::ConfirmAnew, ..Model::new(60, 16, Keymap::default()) };
+    let (symbols, _) = frame::planes(&model, &run.snapshot());
+    assert!(symbols.contains("lap is dropped;") && symbols.contains("Drop?"), "{symbols}");
 }
 
 #[test]

@@ -46,6 +46,8 @@ pub enum Overlay {
     ConfirmQuit,
     /// The question whether to end the run here.
     ConfirmFinish,
+    /// The question whether to drop the laps that are closed.
+    ConfirmAnew,
 }
 
 /// Whether a layer of the map is shown. While the run goes on it tells what is done; what is handed over

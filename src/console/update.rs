@@ -107,6 +107,12 @@ pub fn press(model: &mut Model, snapshot: &Snapshot, key: Key) -> Vec<Effect> {
             }
             tell(model, "the run is not ended".to_owned())
         }
+        Overlay::ConfirmAnew => {
+            if key.typed() == Some('y') {
+                return vec![Effect::Intent(Intent::LapAnew)];
+            }
+            tell(model, "nothing is dropped".to_owned())
+        }
     }
 }
 
@@ -160,6 +166,9 @@ pub fn perform(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Ef
         Action::SlowDown => return set_speed(model, snapshot, Speed::slower),
         Action::SpeedUp => return set_speed(model, snapshot, Speed::faster),
         Action::LapAgain => return vec![Effect::Intent(Intent::LapAgain)],
+        // What was driven for minutes is gone then.
+        Action::LapAnew if snapshot.laps_are_open => model.overlay = Overlay::ConfirmAnew,
+        // The run says why not.
         Action::LapAnew => return vec![Effect::Intent(Intent::LapAnew)],
         Action::Square if snapshot.run.is_over() && snapshot.map.shape.is_none() => {
             let text = "no outline was found: there is nothing to square";

@@ -341,7 +341,7 @@ mod tests {
             assert!(report[key].is_null(), "{key} of an empty map is {}", report[key]);
         }
         let real = sample.record();
-        let report = parsed(&crate::export::RunRecord { noise: "", ..real });
+        let report = parsed(&RunRecord { noise: "", ..real });
         assert!(report["noise"].is_null(), "a real robot errs as {}", report["noise"]);
     }
 

@@ -4,7 +4,7 @@
 
 use super::{Outgoing, RunState, Session};
 use crate::journal::{Entry, Header, PhaseEnd, Record, Recording, Torn, state_hash};
-use crate::mapping::event::Severity;
+use crate::mapping::event::{Event, EventKind, Severity};
 use crate::mapping::map::Phase;
 use crate::robot::Command;
 use std::collections::VecDeque;
@@ -56,6 +56,8 @@ pub struct Replay {
     given: VecDeque<Command>,
     outgoing: Vec<Outgoing>,
     ends: Vec<PhaseEnd>,
+    /// Alarms that the session raised by itself and the record has not come to yet.
+    alarms: VecDeque<Event>,
     difference: Option<Difference>,
     /// Whether a real robot made it.
     of_a_robot: bool,
@@ -76,6 +78,7 @@ impl Replay {
             given: VecDeque::new(),
             outgoing: Vec::new(),
             ends: Vec::new(),
+            alarms: VecDeque::new(),
             difference: None,
             of_a_robot: robot.is_some(),
             torn: recording.torn,
@@ -175,8 +178,24 @@ impl Replay {
                 }
                 Landmark::PhaseEnd
             }
-            Entry::Event(event) if event.kind.severity() >= Severity::Notice => Landmark::Event,
-            Entry::Event(_) | Entry::Life(_) => Landmark::Nothing,
+            Entry::Event(event) => {
+                let is_worth_it = event.kind.severity() >= Severity::Notice;
+                self.remarked(event);
+                if is_worth_it { Landmark::Event } else { Landmark::Nothing }
+            }
+            Entry::Life(_) => Landmark::Nothing,
+        }
+    }
+
+    /// What was remarked of the link comes from no report: without the record nobody would hear of it again.
+    fn remarked(&mut self, event: Event) {
+        if !matches!(event.kind, EventKind::Alarm { .. }) {
+            return;
+        }
+        if let Some(own) = self.alarms.iter().position(|own| *own == event) {
+            self.alarms.remove(own);
+        } else {
+            self.session.remarked(event);
         }
     }
 
@@ -206,6 +225,9 @@ impl Replay {
                 Outgoing::PhaseEnded(phase) => {
                     let state = state_hash(self.session.mission().map());
                     self.ends.push(PhaseEnd { phase, state });
+                }
+                Outgoing::Event(event) if matches!(event.kind, EventKind::Alarm { .. }) => {
+                    self.alarms.push_back(event);
                 }
                 Outgoing::Stop | Outgoing::Event(_) => {}
             }

@@ -42,6 +42,15 @@ fn command(out: &[Outgoing]) -> Option<Command> {
     })
 }
 
+/// What of it was told the operator, as it is recorded.
+fn events(out: &[Outgoing]) -> Vec<Entry> {
+    let told = out.iter().filter_map(|outgoing| match outgoing {
+        Outgoing::Event(event) => Some(Entry::Event(event.clone())),
+        _ => None,
+    });
+    told.collect()
+}
+
 /// A session that was heard from once and told `intent`, with what left it then.
 fn begun(settings: Settings, until: Phase, intent: Intent) -> (Session, Vec<Outgoing>) {
     let mut session = Session::new(settings, "test".to_owned(), until);
@@ -77,6 +86,7 @@ fn a_wheel_that_has_leapt_is_not_believed_later_either() {
         let mut out = Vec::new();
         records.push(Entry::Telemetry(told));
         session.telemetry(&told, &mut out);
+        records.extend(events(&out));
         for wish in [Intent::ClearStop, Intent::Run] {
             assert!(session.fault().is_some(), "believed after {k} reports");
             assert_eq!(command(&out), None, "a command leaves meanwhile");
@@ -90,6 +100,8 @@ fn a_wheel_that_has_leapt_is_not_believed_later_either() {
     let mut replay = Replay::new(Recording { header: header(), records, torn: None, sound: 0 });
     replay.finish();
     assert_eq!(replay.difference(), None);
+    let once = replay.session().events() == session.events();
+    assert!(once, "what the session raises by itself is told as often as it was");
     let (mut session, _) = replay.into_session();
     session.telemetry(&report(9000.0, 20_000), &mut Vec::new());
     assert!(session.fault().is_some(), "believed when the run is taken up again");
@@ -129,7 +141,7 @@ fn a_refused_command_ends_the_run() {
     assert!(why.to_string().contains("mistake in the program"), "{why}");
 }
 
-/// What is told of the link is no step of the run: the replay does not hear of it.
+/// What is told of the link is no step of the run: the replay tells it again, and goes on as the run did.
 #[test]
 fn a_remark_leaves_the_run_as_it_is() {
     let (mut session, out) = begun(settings(), Phase::Objects, Intent::StepEvent);
@@ -146,7 +158,9 @@ fn a_remark_leaves_the_run_as_it_is() {
             records.extend(next.map(Entry::Command));
             first = first.or(next);
         }
+        let mut out = Vec::new();
         session.remark("nothing heard from the robot for 0.5 s".to_owned(), &mut out);
+        records.extend(events(&out));
         assert_eq!(session.run_state(), RunState::Stepping(Step::Event));
         let told = done(&first.expect("a command"), 2.0 + f64::from(k), 500 * i64::from(k + 1));
         let mut out = Vec::new();
@@ -160,6 +174,7 @@ fn a_remark_leaves_the_run_as_it_is() {
     replay.finish();
     assert_eq!(replay.difference(), None);
     assert_eq!(replay.session().run_state(), session.run_state());
+    assert_eq!(replay.session().events(), session.events(), "the log of the run");
     assert_eq!(replay.into_session().1, [], "the replay went on where the run stood");
 }
 

@@ -310,6 +310,7 @@ fn ctrl_z_stops_the_robot_and_leaves_for_the_shell_whatever_is_open() {
         Overlay::Line("at".into()),
         Overlay::ConfirmQuit,
         Overlay::ConfirmFinish,
+        Overlay::ConfirmAnew,
     ] {
         let mut model = Model { overlay, ..Model::new(80, 24, Keymap::default()) };
         let effects = press(&mut model, &snapshot, ctrl_z);
@@ -327,6 +328,22 @@ fn any_key_but_yes_is_no() {
         let key = Key::parse(name).expect("a key");
         assert!(press(&mut model, &snapshot, key).is_empty(), "{name} left");
         assert_eq!(model.overlay, Overlay::None, "{name} is an answer");
+    }
+}
+
+#[test]
+fn laps_that_are_closed_are_dropped_only_after_a_yes() {
+    let key = |name| Key::parse(name).expect("a key");
+    let (mut model, mut snapshot) = waiting();
+    let dropped = [Effect::Intent(Intent::LapAnew)];
+    // The run says why there is nothing to drop.
+    assert_eq!(press(&mut model, &snapshot, key("B")), dropped);
+    (snapshot.laps_are_open, snapshot.map.laps, snapshot.run) = (true, 3, RunState::Paused);
+    for (answer, effects) in [("n", &[][..]), ("B", &[]), ("y", &dropped)] {
+        assert!(press(&mut model, &snapshot, key("B")).is_empty(), "it asks first");
+        assert_eq!(model.overlay, Overlay::ConfirmAnew);
+        assert_eq!(press(&mut model, &snapshot, key(answer)), effects, "{answer}");
+        assert_eq!(model.overlay, Overlay::None);
     }
 }
 

@@ -77,6 +77,16 @@ pub(super) fn question(model: &Model, snapshot: &Snapshot) -> Option<[String; 2]
             "The run ends here for good; what is mapped is kept.",
             "End it?   y yes   any other key no",
         ],
+        Overlay::ConfirmAnew => {
+            let laps = match snapshot.map.laps {
+                0 | 1 => "The lap is dropped".to_owned(),
+                laps => format!("All {laps} laps are dropped"),
+            };
+            return Some([
+                format!("{laps}; the boundary is looked for anew."),
+                "Drop?   y yes   any other key no".to_owned(),
+            ]);
+        }
         Overlay::None | Overlay::Help(_) | Overlay::List(_) | Overlay::Line(_) => return None,
     };
     Some(lines.map(str::to_owned))

@@ -283,8 +283,10 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
         return refuse(model, how.clone());
     }
     match snapshot.run {
-        // A stop, or a robot that asks where it is, was for the operator of then: the playback goes over it.
-        RunState::Stopped if !snapshot.recorded => {
+        // A stop, or a robot that asks where it is, was for the operator of then: the playback goes over it, and on
+        // after the end of the run to that of the record.
+        _ if snapshot.recorded => {}
+        RunState::Stopped => {
             let clear = model.keymap.way(Action::ClearStop);
             return refuse_now(model, snapshot, format!("stopped: {clear} clears the stop first"));
         }
@@ -293,12 +295,14 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
             return refuse(model, "the run was ended by the operator".to_owned());
         }
         RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
-        RunState::Stopped | RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
+        RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }
     let intent = match action {
         Action::StepCommand => Intent::StepCommand,
         Action::StepEvent => Intent::StepEvent,
         Action::StepPhase => Intent::StepPhase,
+        // Once the run is over the picture does not tell whether the record plays on.
+        _ if snapshot.recorded && snapshot.run.is_over() => Intent::Run,
         // Asked a second time before the first was done, it is not to go on.
         _ if snapshot.run == RunState::Paused && !snapshot.asked => Intent::Run,
         _ => Intent::Pause,

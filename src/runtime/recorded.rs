@@ -5,6 +5,7 @@ use super::Ending;
 use crate::console::driver::Driver;
 use crate::export::{Outcome, RunRecord};
 use crate::journal::{Recording, Torn};
+use crate::mapping::event::Failure;
 use crate::mapping::map::RoomMap;
 use crate::robot::Intent;
 use crate::session::replay::{Difference, Landmark, Replay};
@@ -121,10 +122,18 @@ impl RecordedDriver {
     }
 }
 
-/// Why the playback goes no further, and what to do; none while it does, and where the run was over.
+/// Why the playback goes no further, and what to do; none while it does.
 fn record_end(replay: &Replay) -> Option<String> {
-    if !replay.is_over() || replay.is_complete() {
+    if !replay.is_over() {
         return None;
+    }
+    match replay.session().run_state() {
+        RunState::Complete => return Some("the run is complete".to_owned()),
+        RunState::Failed(Failure::Ended) => {
+            return Some("the run was ended by the operator".to_owned());
+        }
+        RunState::Failed(why) => return Some(format!("the run has ended: {why}")),
+        _ => {}
     }
     let ends = "the record ends here, and the run was not over";
     Some(match replay.torn() {
@@ -162,8 +171,10 @@ impl Driver for RecordedDriver {
             snapshot.source.push_str(", DIFFERS FROM THE RUN");
         }
         snapshot.record_end = record_end(&self.replay);
-        if !self.playing && !self.replay.is_complete() {
-            (snapshot.run, snapshot.latched) = (RunState::Paused, false);
+        // What is done is the playback's; how it stood with the run then, the log tells.
+        if !self.replay.is_complete() {
+            snapshot.run = if self.playing { RunState::Running } else { RunState::Paused };
+            snapshot.latched = false;
         }
         snapshot
     }
@@ -175,7 +186,7 @@ impl Driver for RecordedDriver {
     fn intent(&mut self, intent: Intent) {
         self.version += 1;
         match intent {
-            // While it plays, the run may be paused there: the key that pauses then asks for a run.
+            // The key that pauses asks for a run where the picture does not tell that the record plays.
             Intent::Run => self.playing = !self.playing,
             Intent::Pause | Intent::Stop | Intent::Finish => self.playing = false,
             Intent::StepCommand => self.step(Landmark::Command),
@@ -236,7 +247,7 @@ mod tests {
     use super::*;
     use crate::export::native::MapFile;
     use crate::journal::reader::parse;
-    use crate::journal::{Entry, Header, Journal};
+    use crate::journal::{Entry, Header, Journal, Record};
     use crate::mapping::map::Phase;
     use crate::mapping::settings::Settings;
     use crate::robot::Telemetry;
@@ -416,20 +427,53 @@ mod tests {
         let mut driver = RecordedDriver::new(Replay::new(read(&whole)));
         driver.go_to(driver.replay().duration()).expect("the end");
         assert_eq!(
-            (driver.snapshot().run, driver.snapshot().record_end),
-            (RunState::Complete, None)
+            (driver.snapshot().run, driver.snapshot().record_end.as_deref()),
+            (RunState::Complete, Some("the run is complete"))
         );
     }
 
-    /// Where the operator of the run had paused, the console asks for a run at the key that pauses as well.
+    /// Where the operator of the run had paused, the playback plays.
     #[test]
     fn the_key_that_plays_pauses_where_the_run_was_paused_too() {
         let mut driver = RecordedDriver::new(Replay::new(read(&record_in_steps())));
+        assert_eq!(driver.snapshot().run, RunState::Paused);
         driver.intent(Intent::Run);
-        driver.advance(1.0);
+        for _ in 0..9 {
+            driver.advance(1.0);
+            assert_eq!(driver.snapshot().run, RunState::Running);
+        }
         assert!(!driver.is_at_rest());
         driver.intent(Intent::Run);
         assert!(driver.is_at_rest());
+    }
+
+    /// What the operator did with the map after the end is in the record, and the keys come to it.
+    #[test]
+    fn what_was_done_after_the_end_is_played_back_too() {
+        use crate::console::action::Action;
+        use crate::console::update::{Effect, perform};
+        use crate::console::{Keymap, model::Model};
+        let mut recording = read(&record());
+        let time_us = recording.records.last().expect("records").time_us;
+        recording.records.push(Record { time_us, entry: Entry::Intent(Intent::Square) });
+        let replay = Replay::new(recording);
+        for action in [Action::RunPause, Action::StepCommand, Action::StepEvent, Action::StepPhase]
+        {
+            let (mut driver, mut asked) = (RecordedDriver::new(replay.clone()), 0);
+            let mut model = Model::new(120, 40, Keymap::default());
+            while driver.snapshot().map.squared.is_none() {
+                asked += 1;
+                assert!(asked < 20_000, "{action:?} does not come to the end");
+                if driver.is_at_rest() {
+                    for effect in perform(&mut model, &driver.snapshot(), action) {
+                        let Effect::Intent(intent) = effect else { panic!("{effect:?}") };
+                        driver.intent(intent);
+                    }
+                }
+                driver.advance(1.0);
+            }
+            assert_eq!(driver.snapshot().record_end.as_deref(), Some("the run is complete"));
+        }
     }
 
     #[test]

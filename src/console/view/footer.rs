@@ -183,7 +183,8 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
             Action::Stop => !stopped && !over && !snapshot.recorded,
             Action::ClearStop => stopped,
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
-                (!stopped || snapshot.recorded) && !over && snapshot.record_end.is_none()
+                let goes_on = !stopped && !over || snapshot.recorded;
+                goes_on && snapshot.record_end.is_none()
             }
             // A lap has closed, and nothing was made of it yet that driving would spoil.
             Action::LapAgain | Action::LapAnew => {

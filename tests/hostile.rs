@@ -360,6 +360,24 @@ fn a_run_goes_on_with_what_its_operator_chose_last() {
     }
 }
 
+#[test]
+fn a_lap_that_is_given_up_leaves_what_was_touched() {
+    let dir = place("held");
+    let (world, out) = (dir.join("box.toml"), dir.join("run"));
+    let room = "name = \"box\"\nstart = { x = 0.11, y = 0.11 }\n[boundary]\n\
+                vertices = [[0, 0], [0.22, 0], [0.22, 0.22], [0, 0.22]]\n";
+    fs::write(&world, room).expect("a world");
+    let paths = [&world, &out].map(|path| path.to_str().expect("a path"));
+    let run = periplus(&["run", "--world", paths[0], "--out", paths[1]]);
+    let told = String::from_utf8_lossy(&run.stdout);
+    assert_eq!(run.status.code(), Some(1), "{told}");
+    assert!(told.contains("held on all sides"), "{told}");
+    let map = fs::read_to_string(out.join("map.json")).expect("a map");
+    let map: serde_json::Value = serde_json::from_str(&map).expect("JSON");
+    let touched = map["touched"].as_array().map_or(0, Vec::len);
+    assert!(map["boundary"].is_null() && touched > 4, "{touched} contacts are kept");
+}
+
 /// A limit on the length of files is met as a full disk is: one message, and no word of results that
 /// are not there.
 #[cfg(unix)]

@@ -262,7 +262,8 @@ impl Mission {
         let mut map = self.map.clone();
         let known = self.lost.map_or(usize::MAX, |lost| lost.since);
         map.path = self.tracker.path().iter().take(known).copied().collect();
-        if !map.closed {
+        // Of a lap that was given up the map has them.
+        if !map.closed && !matches!(self.task, Task::Over) {
             map.contacts = self.live_contacts();
         }
         if self.settings.square { map.squared() } else { map }

@@ -257,6 +257,8 @@ impl Search {
                     }
                     Leg::Failed(why) => {
                         tell.push(EventKind::LapFailed { why });
+                        // What it touched is known all the same.
+                        self.doing = Doing::Lapping(circuit);
                         return Next::Failed(why);
                     }
                 },

@@ -100,16 +100,21 @@ impl Ring {
     /// Whether `p` lies inside, by winding number; on the outline itself either answer may come.
     #[must_use]
     pub fn contains(&self, p: Point) -> bool {
+        // Each piece begins where the one before it ends, to the last bit: the ends of an arc are worked out, and a
+        // height that lies between two versions of one corner would be counted twice, or not at all.
         let mut crossings = 0;
+        let Some(mut from) = self.pieces.last().map(Piece::to) else { return false };
         for piece in &self.pieces {
+            let to = piece.to();
             crossings += match *piece {
-                Piece::Line { from, to } => crossing(from, to, p),
+                Piece::Line { .. } => crossing(from, to, p),
                 Piece::Arc { .. } => {
                     // Chords of at most an eighth turn; the sliver between chord and arc is
                     // decided by the circle itself.
-                    arc_crossings(piece, p)
+                    arc_crossings(piece, (from, to), p)
                 }
             };
+            from = to;
         }
         crossings != 0
     }
@@ -206,15 +211,15 @@ fn crossing(from: Point, to: Point, p: Point) -> i32 {
     }
 }
 
-fn arc_crossings(arc: &Piece, p: Point) -> i32 {
+/// The same for an arc, whose `ends` it has in common with its neighbours.
+fn arc_crossings(arc: &Piece, ends: (Point, Point), p: Point) -> i32 {
     let Piece::Arc { center, radius, sweep, .. } = *arc else {
         return 0;
     };
     let steps = ((sweep.abs() / angle::FRAC_PI_4).ceil() as u32).max(1);
-    let mut total = 0;
-    for k in 0..steps {
-        let from = arc.at(f64::from(k) / f64::from(steps));
-        let to = arc.at(f64::from(k + 1) / f64::from(steps));
+    let (mut total, mut from) = (0, ends.0);
+    for k in 1..=steps {
+        let to = if k == steps { ends.1 } else { arc.at(f64::from(k) / f64::from(steps)) };
         total += crossing(from, to, p);
         // Within the sliver between the chord and the arc the chord's answer is one turn short.
         let outward = if sweep > 0.0 { -1.0 } else { 1.0 };
@@ -222,6 +227,7 @@ fn arc_crossings(arc: &Piece, p: Point) -> i32 {
         if beyond_chord && (p - center).norm() < radius {
             total += if sweep > 0.0 { 1 } else { -1 };
         }
+        from = to;
     }
     total
 }
@@ -239,6 +245,33 @@ mod tests {
                 Piece::with_bulge(corner(4.0, 2.0), corner(0.0, 2.0), 0.0),
                 Piece::with_bulge(corner(0.0, 2.0), corner(0.0, 0.0), 1.0),
             ],
+        }
+    }
+
+    /// A place as high as a corner where an arc begins is inside or outside as one a hair higher is.
+    #[test]
+    fn the_height_at_which_an_arc_begins_is_counted_once() {
+        for (k, bulge) in (0..400).flat_map(|k| [(k, 0.3), (k, -0.2)]) {
+            let (low, high) = (0.5 + 0.1 * f64::from(k % 20), 3.0 + 0.1 * f64::from(k / 20));
+            let corners = [
+                (0.0, 0.0, 0.0),
+                (6.0, 0.0, 0.0),
+                (6.0, low, bulge),
+                (6.0, high, 0.0),
+                (6.0, 6.0, 0.0),
+            ];
+            let corners = corners.iter().chain(&[(0.0, 6.0, 0.0)]);
+            let corners: Vec<(Point, f64)> =
+                corners.map(|&(x, y, bulge)| (Point::new(x, y), bulge)).collect();
+            let pieces = (0..corners.len()).map(|k| {
+                let next = corners[(k + 1) % corners.len()].0;
+                Piece::with_bulge(corners[k].0, next, corners[k].1)
+            });
+            let ring = Ring { pieces: pieces.collect() };
+            for y in [low, high] {
+                assert!(ring.contains(Point::new(1.0, y)), "{y} of {low} to {high}, {bulge}");
+                assert!(!ring.contains(Point::new(-1.0, y)), "{y} of {low} to {high}, {bulge}");
+            }
         }
     }
 

@@ -10,6 +10,8 @@ pub struct Segment {
     pub from: Point,
     /// From its beginning to its end.
     pub along: Vector,
+    /// Where it ends, to the last bit: added up from the two above it would not be where the next one begins.
+    to: Point,
     /// One over its squared length; zero for a segment without length.
     inverse: f64,
 }
@@ -20,13 +22,13 @@ impl Segment {
     pub fn new(from: Point, to: Point) -> Self {
         let along = to - from;
         let square = along.norm_squared();
-        Self { from, along, inverse: if square > 1e-18 { 1.0 / square } else { 0.0 } }
+        Self { from, along, to, inverse: if square > 1e-18 { 1.0 / square } else { 0.0 } }
     }
 
     /// Where it ends.
     #[must_use]
     pub fn to(&self) -> Point {
-        self.from + self.along
+        self.to
     }
 
     /// Length, metres.

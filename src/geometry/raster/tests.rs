@@ -79,3 +79,33 @@ fn cells_inside_are_those_the_ring_contains() {
         }
     }
 }
+
+/// Where a vertex lies on a row of cells, the row has as many cells inside as the rows beside it.
+#[test]
+fn a_row_through_a_vertex_loses_none_of_its_cells() {
+    for k in 0..300 {
+        let y = 0.05 + 0.01 * f64::from(k % 240) + 1e-3 * f64::from(k / 240);
+        let corners = [
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (4.0, 3.0),
+            (2.15, 3.0),
+            (2.15, y),
+            (2.0, y),
+            (2.0, 3.0),
+            (0.0, 3.0),
+        ];
+        let ring = Ring::polygon(&corners.map(|(x, y)| Point::new(x, y)));
+        for margin in [0.0, 0.1, 0.35] {
+            let grid = Grid::over(Point::new(0.0, 0.0), Point::new(4.0, 3.0), 0.05, margin);
+            let marked = inside(&grid, &chords(&ring, 1e-3));
+            for (cell, marked) in marked.into_iter().enumerate() {
+                let at = grid.point(cell);
+                assert!(
+                    marked == ring.contains(at) || ring.distance(at) < 1e-6,
+                    "{at} in the room with its wall down to {y}"
+                );
+            }
+        }
+    }
+}

@@ -26,8 +26,11 @@ const LEAST_SCATTER: f64 = 0.0015;
 const OF_IT: f64 = 0.03;
 /// A wall that nothing was seen of but that it must be there is known to this, metres.
 const UNSEEN: f64 = 0.03;
-/// Walls that meet at less than this (sine of the angle) do not say where along them they meet.
-const LEAST_ANGLE: f64 = 0.1;
+/// A straight wall and a round one that meet at less than this (sine of the angle) touch each other, and the end
+/// of the arc says where.
+const TOUCHING: f64 = 0.1;
+/// Two straight walls that meet at less than this (a degree) would have been taken for one.
+const LEAST_ANGLE: f64 = 0.0175;
 
 /// Standard errors of the map, metres.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -122,9 +125,12 @@ fn fit(piece: &Piece, contacts: &[Contact]) -> Fit {
 fn meeting(a: &Piece, b: &Piece, var_a: f64, var_b: f64) -> Matrix2<f64> {
     let (along_a, along_b) = (a.tangent(1.0), b.tangent(0.0));
     let sine = cross(along_a, along_b);
-    if sine.abs() < LEAST_ANGLE {
+    let straight = matches!((a, b), (Piece::Line { .. }, Piece::Line { .. }));
+    if !straight && sine.abs() < TOUCHING {
         return Matrix2::identity() * var_a.max(var_b);
     }
+    // The flatter the corner, the less they say of where along them it is.
+    let sine = sine.abs().max(LEAST_ANGLE).copysign(sine);
     // A wall that moves across itself by one moves the meeting point along the other.
     let (by_a, by_b): (Vector2<f64>, Vector2<f64>) = (along_b / sine, along_a / sine);
     by_a * by_a.transpose() * var_a + by_b * by_b.transpose() * var_b
@@ -147,6 +153,13 @@ mod tests {
         // At 30 degrees what one is off by counts double along the other.
         let slope = meeting(&wall(0.0, 0.0, 2.0, 0.0), &wall(2.0, 0.0, 0.268, 1.0), 1.0, 0.0);
         assert!((slope.trace() - 4.0).abs() < 0.01, "{slope}");
+        // At 2 degrees, what both are off by twenty-nine times; and no less where they go on straight.
+        for (turn, times) in [(2.0_f64, 28.65), (0.0, 57.14)] {
+            let end = Point::new(2.0, 0.0) + crate::geometry::angle::unit(turn.to_radians());
+            let flat = meeting(&wall(0.0, 0.0, 2.0, 0.0), &wall(2.0, 0.0, end.x, end.y), 1.0, 1.0);
+            let along = flat[(0, 0)].sqrt() / 2.0_f64.sqrt();
+            assert!((along - times).abs() < 0.1, "{turn}: {along}");
+        }
     }
 
     #[test]

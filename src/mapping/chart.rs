@@ -200,7 +200,12 @@ impl Chart {
             })
             .min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))?;
         let piece = charted.shown.pieces[foot.piece];
-        let from_corner = foot.t.min(1.0 - foot.t) * piece.length();
+        // A circle has no corner.
+        let from_corner = if charted.shown.is_circle() {
+            f64::INFINITY
+        } else {
+            foot.t.min(1.0 - foot.t) * piece.length()
+        };
         let off = |charted: &Charted| charted.shown.distance(contact);
         let nearest = self.rings.iter().map(off).fold(f64::INFINITY, f64::min);
         if foot.distance > within || foot.distance > nearest + THIN || from_corner < CORNER {

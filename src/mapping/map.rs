@@ -15,6 +15,7 @@ use super::unreached::{Beyond, Unreached};
 use crate::geometry::measure::{Measure, measure};
 use crate::geometry::{Point, Pose, Ring, Vector};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// The four phases, in order (paper III.C to III.F).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -258,17 +259,17 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Whether the line `id` is one of those that the plan was made of. The others were added later, for what
-    /// those could not sweep.
+    /// The lines that the plan was made of. The others were added later, for what those could not sweep.
     #[must_use]
-    pub fn is_own(&self, id: u32) -> bool {
-        self.order.iter().any(|(own, _)| *own == id)
+    pub fn own(&self) -> BTreeSet<u32> {
+        self.order.iter().map(|(id, _)| *id).collect()
     }
 
     /// The lines that were driven beyond the plan as it was made, to keep its promise.
     pub fn added(&self) -> impl Iterator<Item = &PlanLine> {
-        let beyond = |line: &&PlanLine| line.status == LineStatus::Driven && !self.is_own(line.id);
-        self.lines.iter().filter(beyond)
+        let own = self.own();
+        let driven = |line: &&PlanLine| line.status == LineStatus::Driven;
+        self.lines.iter().filter(driven).filter(move |line| !own.contains(&line.id))
     }
 }
 

@@ -44,7 +44,7 @@ use drive::Drive;
 use line::Stops;
 use passes::{Half, Pass};
 use rounds::Round;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use sureness::Sureness;
 use ties::Shuttle;
 
@@ -160,10 +160,11 @@ impl Tour {
     #[must_use]
     pub fn new(settings: &Settings, map: &RoomMap, survey: &Survey) -> Self {
         let plan = map.plan.as_ref();
-        let length = |id: u32| {
-            let line = plan.and_then(|plan| plan.lines.iter().find(|line| line.id == id));
-            line.and_then(|line| line.drive).map_or(0.0, |(a, b)| (b - a).norm())
-        };
+        let lengths: BTreeMap<u32, f64> = plan
+            .iter()
+            .flat_map(|plan| &plan.lines)
+            .filter_map(|line| line.drive.map(|(a, b)| (line.id, (b - a).norm())))
+            .collect();
         let queue: VecDeque<(u32, bool)> =
             plan.map(|plan| plan.order.clone()).unwrap_or_default().into();
         Self {
@@ -173,7 +174,7 @@ impl Tour {
             floor: None,
             chart: Chart::new(map, survey),
             doing: Doing::Choosing,
-            total: queue.iter().map(|(id, _)| length(*id)).sum(),
+            total: queue.iter().filter_map(|(id, _)| lengths.get(id)).sum(),
             queue,
             suspended: None,
             driven: 0.0,

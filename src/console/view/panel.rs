@@ -271,9 +271,10 @@ fn plan_rows(snapshot: &Snapshot) -> Vec<Row> {
         let (alpha, length) = (plan.alpha, plan.figures.length);
         let parts = vec![name.to_owned(), format!("α {alpha:.2},"), format!("{length:.0} m")];
         rows.push(figures("plan", parts, Role::Value));
+        let own = plan.own();
         let count = |status: LineStatus| {
             let lines = plan.lines.iter().filter(|line| line.status == status);
-            lines.filter(|line| plan.is_own(line.id)).count()
+            lines.filter(|line| own.contains(&line.id)).count()
         };
         let whole = count(LineStatus::Driven);
         let blocked = count(LineStatus::Blocked);

@@ -40,11 +40,9 @@ impl Background {
             .flat_map(|stretch| stretch.windows(2))
             .map(|pair| (pair[1].pose.position - pair[0].pose.position).norm())
             .sum();
-        let drawn = map.plan.iter().flat_map(|plan| {
-            plan.lines.iter().filter(|line| pens::of_line(line, plan, options).is_some())
-        });
+        let drawn = map.plan.iter().flat_map(|plan| pens::of_lines(plan, options));
         let planned: f64 = drawn
-            .map(|line| line.drive.unwrap_or((line.start, line.end)))
+            .map(|(line, _)| line.drive.unwrap_or((line.start, line.end)))
             .map(|(from, to)| (to - from).norm())
             .sum();
         Self {

@@ -84,10 +84,9 @@ fn plan(scene: &Scene<'_>) -> String {
     let Some(plan) = &scene.record.map.plan else {
         return String::new();
     };
+    let drawn: Vec<_> = pens::of_lines(plan, scene.options).collect();
     let layer = |pen: &Pen| {
-        let lines = plan.lines.iter().filter(|line| {
-            pens::of_line(line, plan, scene.options).is_some_and(|other| other == *pen)
-        });
+        let lines = drawn.iter().filter(|(_, of)| of == pen).map(|(line, _)| line);
         let ends = lines.map(|line| line.drive.unwrap_or((line.start, line.end)));
         let data: String = ends.map(|(from, to)| scene.frame.line([from, to])).collect();
         scene.background.plan(pen).stroke(&data)

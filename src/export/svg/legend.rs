@@ -60,11 +60,8 @@ pub(super) fn items(scene: &Scene<'_>) -> Vec<(&'static str, String)> {
         format!("<rect y=\"-6\" width=\"{SAMPLE}\" height=\"12\" rx=\"2\" fill=\"{fill}\" {edge}/>")
     };
     let line = |pen: &Pen| format!("<path d=\"M0 0H{SAMPLE}\" {}/>", pen.attributes());
-    let drawn: Vec<Pen> = map
-        .plan
-        .iter()
-        .flat_map(|plan| plan.lines.iter().filter_map(|line| pens::of_line(line, plan, options)))
-        .collect();
+    let of_lines = map.plan.iter().flat_map(|plan| pens::of_lines(plan, options));
+    let drawn: Vec<Pen> = of_lines.map(|(_, pen)| pen).collect();
     let cut = map.shape.iter().flat_map(|shape| &shape.parts).any(|part| part.cut.contains(&true));
     let seen = |half: bool| map.objects.iter().any(|object| object.closed != half);
     let gap = |known: bool| map.unreached.iter().any(|gap| gap.area.is_some() == known);

@@ -125,7 +125,18 @@ const REJECTED: Pen = Pen::of_plan("plan-rejected", "line rejected", color::REJE
 pub(super) const OF_PLAN: [Pen; 6] = [PLANNED, DRIVEN, ADDED, BLOCKED, SKIPPED, REJECTED];
 
 /// The pen for a line of `plan`, or none when the picture leaves it out.
-pub(super) fn of_line(line: &PlanLine, plan: &Plan, options: &Options) -> Option<Pen> {
+pub(super) fn of_lines<'a>(
+    plan: &'a Plan,
+    options: &'a Options,
+) -> impl Iterator<Item = (&'a PlanLine, Pen)> {
+    let own = plan.own();
+    let pen =
+        move |line: &'a PlanLine| Some((line, of_line(line, own.contains(&line.id), options)?));
+    plan.lines.iter().filter_map(pen)
+}
+
+/// The pen of one line, which the plan was made of (`own`) or was added later.
+fn of_line(line: &PlanLine, own: bool, options: &Options) -> Option<Pen> {
     if options.vertex.is_some_and(|vertex| vertex != line.vertex) {
         return None;
     }
@@ -135,7 +146,7 @@ pub(super) fn of_line(line: &PlanLine, plan: &Plan, options: &Options) -> Option
     }
     match line.status {
         LineStatus::Planned | LineStatus::Driving => Some(PLANNED),
-        LineStatus::Driven => Some(if plan.is_own(line.id) { DRIVEN } else { ADDED }),
+        LineStatus::Driven => Some(if own { DRIVEN } else { ADDED }),
         LineStatus::Blocked => Some(BLOCKED),
         LineStatus::Skipped => Some(SKIPPED),
         LineStatus::Rejected => options.rejected.then_some(REJECTED),

@@ -94,3 +94,24 @@ fn what_is_known_is_told_by_the_nearest_surface() {
     let (near, whose) = chart.distance(Point::new(2.0, 0.4));
     assert!((near - 0.4).abs() < 1e-9 && whose.is_none());
 }
+
+#[test]
+fn a_round_column_is_a_fix_from_every_side() {
+    let (mut survey, mut chart) = room();
+    let tie = survey.mark(Point::new(2.0, 1.0), 1);
+    let middle = Point::new(2.0, 1.5);
+    let object = MappedObject {
+        id: 1,
+        class: ObjectClass::Circle,
+        outline: Ring::circle(middle, 0.05),
+        closed: true,
+        contacts: vec![contact(1.95, 1.5, 1.0)],
+    };
+    chart.add(&object, Hung::Once(tie));
+    for bearing in (0..360).step_by(15) {
+        let towards = crate::geometry::angle::unit(f64::from(bearing).to_radians());
+        let (seen, from) = (middle + towards * 0.052, middle + towards * 0.21);
+        let surface = chart.surface_at(&survey, seen, from, 0.15);
+        assert!(surface.is_some(), "at {bearing} degrees");
+    }
+}

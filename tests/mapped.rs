@@ -3,6 +3,7 @@
 
 mod shell;
 
+use periplus::geometry::{Point, Ring};
 use shell::{periplus, place, refused};
 use std::fs;
 
@@ -41,4 +42,34 @@ fn a_room_that_was_mapped_is_a_world() {
         let run = ["run", "--world", file.to_str().expect("a path"), "--out", "never"];
         refused(&run, &["feature", open, word]);
     }
+}
+
+/// The touches of the tour move the walls by millimetres to centimetres: the lines that were planned on them go along.
+#[test]
+fn the_lines_of_the_plan_lead_from_wall_to_wall_of_the_map_that_is_handed_over() {
+    let dir = place("planned");
+    let sim = concat!(env!("CARGO_MANIFEST_DIR"), "/sims/l_room.toml");
+    let out = dir.join("run");
+    let to = out.to_str().expect("a path");
+    let run = periplus(&["run", "--world", sim, "--seed", "11", "--out", to]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let map = fs::read_to_string(out.join("map.geojson")).expect("a map");
+    let map: serde_json::Value = serde_json::from_str(&map).expect("JSON");
+    let features = map["features"].as_array().expect("features");
+    let of = |role: &'static str| {
+        features.iter().filter(move |feature| feature["properties"]["role"] == role)
+    };
+    let point = |at: &serde_json::Value| {
+        let [x, y] = [&at[0], &at[1]].map(|value| value.as_f64().expect("metres"));
+        Point::new(x, y)
+    };
+    let boundary = &of("boundary").next().expect("a boundary")["geometry"]["coordinates"][0];
+    let corners: Vec<Point> = boundary.as_array().expect("points").iter().map(point).collect();
+    let walls = Ring::polygon(&corners[1..]);
+    let driven = of("plan").map(|line| &line["properties"]).filter(|it| it["status"] == "driven");
+    let mut off: Vec<f64> = driven.map(|it| walls.distance(point(&it["wall_start"]))).collect();
+    off.sort_by(f64::total_cmp);
+    assert!(off.len() > 8, "{off:?}");
+    // Measured: 0.2 mm in the median, and 9 mm where they stayed.
+    assert!(off[off.len() / 2] < 0.002, "{off:?}");
 }

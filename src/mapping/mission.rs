@@ -11,6 +11,7 @@ mod hearing;
 mod idle;
 mod phases;
 mod place;
+mod planned;
 mod taping;
 mod whole;
 mod wishes;
@@ -30,6 +31,7 @@ use super::trust::Trust;
 use super::wall::{Stroke, Turning, Wall};
 use crate::robot::{Command, CommandId, DoneReason, Guard, Motion, SwitchSet};
 use idle::Idle;
+use planned::PlannedOn;
 
 /// What the core wants done or told.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,6 +124,8 @@ pub struct Mission {
     went_on: u32,
     /// What the place is off by at which the lap was begun anew; none where it is the start, or the operator's word.
     begun_off: Option<Offset>,
+    /// What the plan was made on.
+    planned_on: PlannedOn,
 }
 
 impl Mission {
@@ -158,6 +162,7 @@ impl Mission {
             afresh: false,
             went_on: 0,
             begun_off: None,
+            planned_on: PlannedOn::default(),
             settings,
         }
     }

@@ -311,25 +311,25 @@ impl Adjusted {
         Contact { point: from + rotate(arm, turn), from, ..*contact }
     }
 
-    /// How far a place on a ring of `contacts` moves, which are where they are `now`: as the nearest of
-    /// them does.
-    #[must_use]
-    pub fn displacement(&self, contacts: &[Contact], now: &[Contact], place: Point) -> Vector {
-        let off = |pair: &(&Contact, &Contact)| (pair.0.point - place).norm_squared();
-        let nearest = contacts.iter().zip(now).min_by(|a, b| off(a).total_cmp(&off(b)));
-        nearest.map_or_else(Vector::zeros, |(before, after)| {
-            let (old, new) = (before.point - before.from, after.point - after.from);
-            let turn = angle::wrap(angle::of(new) - angle::of(old));
-            after.point - place + rotate(place - before.point, turn)
-        })
-    }
-
     /// How far the robot was from where it was believed to be, root mean square over its rests, metres.
     #[must_use]
     pub fn moved(&self) -> f64 {
         let of = |at: &Moved| (at.after.position - at.before.position).norm_squared();
         (self.rests.iter().map(of).sum::<f64>() / self.rests.len() as f64).sqrt()
     }
+}
+
+/// How far a place on a ring of `contacts` moves, which are where they are `now`: as the nearest of
+/// them does.
+#[must_use]
+pub fn displacement(contacts: &[Contact], now: &[Contact], place: Point) -> Vector {
+    let off = |pair: &(&Contact, &Contact)| (pair.0.point - place).norm_squared();
+    let nearest = contacts.iter().zip(now).min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.map_or_else(Vector::zeros, |(before, after)| {
+        let (old, new) = (before.point - before.from, after.point - after.from);
+        let turn = angle::wrap(angle::of(new) - angle::of(old));
+        after.point - place + rotate(place - before.point, turn)
+    })
 }
 
 #[cfg(test)]

@@ -286,6 +286,7 @@ impl Mission {
         });
         let figures = plan.figures;
         self.map.plan = Some(plan);
+        self.keep_planned();
         let (lines, length, hidden_disc) = (figures.lines, figures.length, figures.hidden_disc);
         let over = hidden_disc > self.settings.alpha;
         self.tell(EventKind::PlanMade { lines, length, hidden_disc, over }, out);
@@ -343,6 +344,7 @@ impl Mission {
         if let Some(accuracy) = &mut self.map.accuracy {
             accuracy.datum = adjusted.and_then(|whole| whole.datum);
         }
+        self.move_planned();
         self.tell_unreached(out);
         self.calibrate();
         self.tell_squared(out);

@@ -5,7 +5,9 @@ use super::{Mission, Output};
 use crate::geometry::{Point, Pose};
 use crate::mapping::event::EventKind;
 use crate::mapping::map::{Contact, PathPoint};
-use crate::mapping::network::{Adjusted, Datum, Given, WITHIN, WITHIN_LAP, WITHIN_ROUND};
+use crate::mapping::network::{
+    Adjusted, Datum, Given, WITHIN, WITHIN_LAP, WITHIN_ROUND, displacement,
+};
 use crate::mapping::shape;
 
 /// That all of it was adjusted.
@@ -89,20 +91,20 @@ impl Mission {
         let now = moved(&self.map.contacts);
         if let Some(shape) = &mut self.map.shape {
             let before = &self.map.contacts;
-            shape.outline = shape.outline.deformed(|p| adjusted.displacement(before, &now, p));
+            shape.outline = shape.outline.deformed(|p| displacement(before, &now, p));
         }
         self.map.contacts = now;
         for beyond in &mut self.map.beyond {
             let now = moved(&beyond.contacts);
             let before = std::mem::replace(&mut beyond.contacts, now);
             let now = &beyond.contacts;
-            beyond.outline = beyond.outline.deformed(|p| adjusted.displacement(&before, now, p));
+            beyond.outline = beyond.outline.deformed(|p| displacement(&before, now, p));
         }
         for object in &mut self.map.objects {
             let now = moved(&object.contacts);
             let before = std::mem::replace(&mut object.contacts, now);
             let now = &object.contacts;
-            let by = |p: Point| adjusted.displacement(&before, now, p);
+            let by = |p: Point| displacement(&before, now, p);
             // Faces of something thin may cross when each corner moves by itself: then all of it moves as one.
             object.outline = shape::uncrossed(&object.outline.deformed(by)).unwrap_or_else(|| {
                 let middle = by(object.outline.middle());

@@ -153,9 +153,11 @@ impl Session {
         if !matches!(self.run, RunState::Complete | RunState::Failed(_)) {
             self.run = RunState::Stopped;
         }
+        // Without a boundary there is nothing to find its place by.
+        let found = if self.mission.map().closed { ", and it finds its place again" } else { "" };
         let what = format!(
             "the robot cannot be believed: {leap}. Look at its encoders, its clock and the line; switch it off \
-             and on, and it finds its place again"
+             and on{found}"
         );
         self.note(EventKind::Alarm { what }, out);
     }

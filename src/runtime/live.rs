@@ -52,6 +52,8 @@ pub struct Interrupted {
 
 /// Reports with the same ticks after which a robot is believed to stand still.
 const STILL: u32 = 3;
+/// A line over which so many motions in a row are stopped for want of reports is none to drive over.
+const BLINDED: u32 = 5;
 /// A robot that refuses a command because it was started again has said who it is after as long, seconds.
 const INTRODUCTION: f64 = 2.0;
 
@@ -80,6 +82,11 @@ pub struct LiveRun<W: Write> {
     refused: Option<(f64, String)>,
     /// A command that waits to be recorded, and for the line to be sound.
     held: Option<Command>,
+    /// Motions in a row that were stopped because nothing was heard meanwhile, and whether the one in hand was.
+    blinded: u32,
+    blind: bool,
+    /// The run was taken up, in the same life of the robot, and has not heard from it yet.
+    taken_up: bool,
     last: (Odometer, SwitchSet, bool),
     /// When the run took in last what its robot told.
     taken: f64,
@@ -117,6 +124,9 @@ impl<W: Write> LiveRun<W> {
             carried: None,
             refused: None,
             held: None,
+            blinded: 0,
+            blind: false,
+            taken_up: false,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             taken: 0.0,
             disbelieved: None,
@@ -276,6 +286,11 @@ impl<W: Write> LiveRun<W> {
                     }
                 }
                 Heard::NotBegun(id) => self.not_begun(id, now),
+                Heard::Blinded => {
+                    self.blind = true;
+                    let what = "reports stayed away while the robot moved: it was stopped";
+                    self.remark_once(what.to_owned(), now);
+                }
             }
         }
     }
@@ -330,13 +345,37 @@ impl<W: Write> LiveRun<W> {
         }
     }
 
+    /// Counts the motions in a row that ended so because host and robot did not hear each other. Once is a hiccup; a
+    /// line that does it every time is none to drive over.
+    fn count_blinded(&mut self, reason: DoneReason, now: f64) {
+        self.blinded = match (reason, std::mem::take(&mut self.blind)) {
+            (DoneReason::HostSilent, _) | (DoneReason::Stopped, true) => self.blinded + 1,
+            (DoneReason::Stopped, false) => self.blinded,
+            _ => 0,
+        };
+        if self.blinded < BLINDED {
+            return;
+        }
+        self.blinded = 0;
+        let why = format!(
+            "{BLINDED} motions in a row were stopped because robot and host did not hear each other meanwhile: the \
+             line hands on what they say too far apart to drive by; look at the radio link, or at what bundles its \
+             bytes"
+        );
+        self.remark(why.clone(), now);
+        self.stop(now);
+        if self.plan.at_once {
+            self.end(Outcome::Failed, why);
+        }
+    }
+
     /// The robot's clock went on without ours: as long as it is wrong, nothing of what it says counts, and
     /// nothing sets it going. A motion that ended then has ended.
     fn early(&mut self, seconds: f64, ended: Option<CommandId>, now: f64) {
         let why = format!(
             "the robot cannot be believed: its clock went on by {seconds:.0} s more than time did here. If \
-             this computer slept, leave and go on with --resume; else look at its clock, switch it off and on, \
-             and it finds its place again"
+             this computer slept, leave and go on with --resume; else look at its clock, switch it off and on{}",
+            if self.can_find_its_place() { ", and it finds its place again" } else { "" }
         );
         if self.session.as_ref().is_some_and(|session| !session.is_latched()) {
             self.stop(now);
@@ -363,12 +402,16 @@ impl<W: Write> LiveRun<W> {
         if self.stranger().is_some() {
             return;
         }
-        (self.taken, self.disbelieved) = (now, None);
+        self.disbelieved = None;
+        self.counts_anew(telemetry);
         if let Some(last) = self.restarted.take() {
             self.restart = Some(Restart::between(&last, telemetry.odometer()));
         }
         let told = self.restart.map_or(*telemetry, |restart| restart.of(telemetry));
         self.telemetry(&told, now);
+        if self.session.as_ref().is_some_and(|session| session.fault().is_none()) {
+            self.taken = now;
+        }
     }
 
     fn telemetry(&mut self, telemetry: &Telemetry, now: f64) {
@@ -398,6 +441,9 @@ impl<W: Write> LiveRun<W> {
                 self.last.0 = edge.odometer;
                 self.last.1 = self.last.1.with(edge.sensor, edge.rising);
             }
+        }
+        if let Telemetry::Done { reason, .. } = *telemetry {
+            self.count_blinded(reason, now);
         }
         self.deliver(now);
         if self.settling.is_some_and(|count| count >= STILL) {
@@ -443,8 +489,11 @@ impl<W: Write> LiveRun<W> {
     /// waited for: nobody would expect the robot to drive off when it is back.
     fn send_held(&mut self, now: f64) {
         let Some(command) = self.held else { return };
-        if self.record_error().is_some() {
+        if let Some(error) = self.record_error() {
             self.held = None;
+            // Stopped first, or the next one would be asked for at once.
+            self.unrecorded(&error, now);
+            self.not_begun(command.id, now);
         } else if !self.host.is_open() {
             self.held = None;
             self.remark("nothing is heard from the robot: it is told nothing".to_owned(), now);

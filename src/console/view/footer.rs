@@ -147,7 +147,7 @@ fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
     }
     for info in infos {
         let key = model.keymap.label(info.action);
-        let word = word(info, snapshot);
+        let word = word(info, model, snapshot);
         match entries.last_mut() {
             _ if key.is_empty() => {}
             Some((keys, last)) if *last == word => {
@@ -164,10 +164,11 @@ fn entries(model: &Model, snapshot: &Snapshot) -> Vec<Entry> {
 }
 
 /// What the footer calls it now: at the end a command line is of use for one thing above all.
-fn word(info: &ActionInfo, snapshot: &Snapshot) -> &'static str {
+fn word(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> &'static str {
     match info.action {
         Action::CommandLine if snapshot.recorded => "at=SECONDS",
-        Action::CommandLine if snapshot.run.is_over() => "export=DIR",
+        // What a real robot's run leaves is written on leaving.
+        Action::CommandLine if snapshot.run.is_over() && model.speed.is_some() => "export=DIR",
         Action::RunPause if snapshot.recorded => "play/pause",
         _ => info.footer,
     }
@@ -181,7 +182,8 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     !(info.footer.is_empty() || useless)
         && match info.action {
             Action::Stop => !stopped && !over && !snapshot.recorded,
-            Action::ClearStop => stopped,
+            // Not before it is known to stand.
+            Action::ClearStop => stopped && !snapshot.is_moving(),
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
                 let goes_on = !stopped && !over || snapshot.recorded;
                 goes_on && snapshot.record_end.is_none()

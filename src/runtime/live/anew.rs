@@ -5,7 +5,7 @@ use super::restart::Restart;
 use super::{Interrupted, LiveRun};
 use crate::export::Outcome;
 use crate::journal::Journal;
-use crate::robot::{Chassis, Intent};
+use crate::robot::{Chassis, Intent, Telemetry};
 use crate::session::{RunState, Session};
 use crate::wire::host::Identity;
 use std::io::Write;
@@ -29,7 +29,13 @@ impl<W: Write> LiveRun<W> {
         self.stop(now);
         let Some(session) = &self.session else { return };
         if self.plan.at_once {
-            let then = if known { "; --resume finds its place again" } else { "" };
+            let then = match self.can_find_its_place() {
+                _ if !known => "",
+                true => "; --resume finds its place again",
+                false => {
+                    "; --resume DIR --placed X,Y,DEG begins the lap anew, with the place where it stands"
+                }
+            };
             return self.end(Outcome::Failed, format!("{why}{then}"));
         }
         let tracker = session.mission().tracker();
@@ -69,6 +75,7 @@ impl<W: Write> LiveRun<W> {
             self.restarted = session.mission().tracker().last();
         } else {
             self.restart = life.as_ref().map(Restart::recorded);
+            self.taken_up = true;
         }
         // A run that ended since it did not find its place where it was said to be looks everywhere.
         let anywhere = again || session.mission().waits_for_place();
@@ -77,6 +84,25 @@ impl<W: Write> LiveRun<W> {
         self.session = Some(session);
         self.wish(Intent::Pause, now);
         self.settling = Some(0);
+    }
+
+    /// A robot that says it is in the life that it was in, and counts from before what the run heard of it last,
+    /// was started again all the same: its board has no number for that.
+    pub(super) fn counts_anew(&mut self, telemetry: &Telemetry) {
+        if !std::mem::take(&mut self.taken_up) {
+            return;
+        }
+        let last = self.session.as_ref().and_then(|session| session.mission().tracker().last());
+        let told = self.restart.map_or(*telemetry, |restart| restart.of(telemetry));
+        if let Some(last) = last.filter(|last| told.odometer().time_us < last.time_us) {
+            self.restarted = Some(last);
+            self.carried.get_or_insert(Intent::Placed { near: None });
+        }
+    }
+
+    /// Whether a robot of which nobody knows where it is can find out: by the walls of a boundary that is closed.
+    pub(super) fn can_find_its_place(&self) -> bool {
+        self.session.as_ref().is_some_and(|session| session.mission().map().closed)
     }
 
     /// The robot stands still after an interruption: what it was doing then is over.

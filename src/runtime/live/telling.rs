@@ -42,7 +42,8 @@ impl<W: Write> LiveRun<W> {
     /// How old it is what the run knows of its robot, seconds; none when it is current.
     fn age(&self, now: f64) -> Option<f64> {
         let up = self.host.health() == Health::Up && self.disbelieved.is_none();
-        let old = !up || self.stranger().is_some();
+        let fault = self.session.as_ref().is_some_and(|session| session.fault().is_some());
+        let old = !up || fault || self.stranger().is_some();
         old.then_some(now - self.taken)
     }
 

@@ -67,6 +67,8 @@ struct Rig {
     now: f64,
     host_dead: bool,
     line: Passage,
+    /// The line hands on what it was given only so often, seconds; 0 for at once.
+    bundle: f64,
     /// What the robot says its wheels did, as shares of what they did.
     lie: [f64; 2],
     /// What its clock says at a time, both in microseconds.
@@ -111,6 +113,7 @@ fn rig_in(
         now: 0.0,
         host_dead: false,
         line: Passage::Open,
+        bundle: 0.0,
         lie: [1.0, 1.0],
         clock: |us| us,
         broken: None,
@@ -125,9 +128,12 @@ fn rig_in(
 impl Rig {
     /// 10 ms of everybody's time.
     fn step(&mut self) {
+        let bundles = |at: f64| (at / self.bundle).floor();
+        let before = self.now;
         self.now += STEP / 2.0;
+        let due = self.bundle == 0.0 || bundles(before) < bundles(self.now);
         if !self.host_dead {
-            let up = self.up.take(self.now);
+            let up = if due { self.up.take(self.now) } else { Vec::new() };
             self.run.receive(&up, self.now);
             self.run.tick(self.now);
             let out = self.run.take_output();
@@ -138,7 +144,7 @@ impl Rig {
                 self.down.put(&out, self.now);
             }
         }
-        let down = self.down.take(self.now);
+        let down = if due { self.down.take(self.now) } else { Vec::new() };
         let at = self.body.true_pose().position;
         let heard = |item: &crate::wire::Item| matches!(item, crate::wire::Item::Body(_));
         if self.ear.feed(&down).filter(heard).count() > 0 {

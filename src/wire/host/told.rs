@@ -140,6 +140,8 @@ pub enum Heard {
     Refused(CommandId, String),
     /// A command that was not acknowledged before a stop was never begun.
     NotBegun(CommandId),
+    /// Nothing was heard of the robot for so long while it moved that it was stopped.
+    Blinded,
 }
 
 /// Who the robot is, as far as it has said.

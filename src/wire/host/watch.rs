@@ -82,6 +82,7 @@ impl Host {
             if silence > BLIND && !self.halted {
                 self.halted = true;
                 self.stop(now);
+                told.push(Heard::Blinded);
             }
             // No end comes of what never began; that is found out after the stop that is under way.
             if judged > over && self.doubt.is_none() {

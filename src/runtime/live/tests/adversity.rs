@@ -26,6 +26,9 @@ fn a_full_disk_stops_the_robot_whenever_it_comes() {
         assert!(told || rig.run.session().is_none(), "room {room}: not in the log");
         let from = rig.body.true_pose().position;
         rig.until(0.6, |_| false);
+        if let Some(session) = rig.run.session() {
+            assert!(!session.mission().is_moving(), "room {room}: it stands, and nobody knows");
+        }
         assert!(rig.speed() < 1e-9 && !rig.device.is_moving(), "room {room}: it still moves");
         let went = (rig.body.true_pose().position - from).norm();
         assert!(went < 0.06, "room {room}: {went} m after the disk was full");
@@ -175,12 +178,23 @@ fn an_encoder_that_leaps_stops_the_robot_at_once() {
             at_once,
             "{lie:?}"
         );
+        let is_old = |rig: &Rig| {
+            matches!(rig.run.snapshot(rig.now).robot, crate::session::Known::Stale { .. })
+        };
+        assert!(
+            is_old(&rig),
+            "{lie:?}: a pose that is not believed any more is shown as one that is"
+        );
         // Cleared and set going, it is stopped again.
         rig.run.intent(Intent::ClearStop, rig.now);
         rig.run.intent(Intent::Run, rig.now);
         rig.until(1.0, |_| false);
         let session = rig.run.session().expect("a session");
         assert_eq!(session.run_state(), RunState::Stopped, "{lie:?}");
+        // It counts as it did before.
+        rig.lie = [1.0, 1.0];
+        rig.until(1.0, |_| false);
+        assert!(!is_old(&rig), "{lie:?}: what is believed again is old");
     }
 }
 

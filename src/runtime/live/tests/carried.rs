@@ -68,6 +68,38 @@ fn a_robot_carried_elsewhere_finds_its_place_and_ends_its_tour() {
     }
 }
 
+/// A board that has no number for its lives says the same one again, and counts from nothing: whoever goes on with
+/// the run is not told for ever that its clock went back.
+#[test]
+fn a_robot_started_again_under_the_same_number_finds_its_place() {
+    let world = l_room();
+    let mut rig = rig_in(&world, NoiseProfile::None, Faults::default(), 1, (true, None));
+    assert!(rig.until(2000.0, is_touring));
+    rig.boots -= 1;
+    rig.reboot();
+    assert!(rig.until(10.0, |rig| rig.run.ending().is_some()));
+    let reason = rig.run.ending().expect("an ending").reason;
+    assert!(reason.contains("--resume finds its place again"), "{reason}");
+    rig.up.clear();
+    resurrect(&mut rig, 9, None);
+    assert!(rig.until(4000.0, |rig| rig.run.ending().is_some()));
+    let ending = rig.run.ending().expect("an ending");
+    assert_eq!(ending.outcome, Outcome::Complete, "{}", ending.reason);
+    assert!(off(&rig) < 0.03, "{} m off at the end", off(&rig));
+}
+
+/// Where no boundary is closed yet, nothing promises that a robot that was started again finds its place.
+#[test]
+fn without_a_boundary_a_restarted_robot_has_to_be_told_its_place() {
+    let mut rig = rig(Faults::default(), 1, true);
+    rig.until(20.0, |_| false);
+    rig.reboot();
+    assert!(rig.until(10.0, |rig| rig.run.ending().is_some()));
+    let reason = rig.run.ending().expect("an ending").reason;
+    assert!(reason.contains("--placed X,Y,DEG begins the lap anew"), "{reason}");
+    assert!(!reason.contains("finds its place"), "{reason}");
+}
+
 /// A robot that was started again within the run is the same one, still switched on, when the run is taken up
 /// after that: it knows its place, and goes on counting where the run was.
 #[test]

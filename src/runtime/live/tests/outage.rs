@@ -48,6 +48,34 @@ fn a_line_that_was_gone_for_long_is_back_once_and_for_all() {
     }
 }
 
+/// A radio link that bundles what goes over it loses nothing and hides the robot all the same: it is stopped on every
+/// motion. Somebody is told why it does not get on, and it does not go on for ever.
+#[test]
+fn a_line_that_bundles_its_reports_is_told_of_and_given_up() {
+    for at_once in [true, false] {
+        let mut rig = rig(Faults::default(), 1, at_once);
+        rig.until(3.0, |_| false);
+        rig.run.intent(Intent::Run, rig.now);
+        rig.until(5.0, |_| false);
+        rig.bundle = 0.45;
+        let given_up = "too far apart to drive by";
+        assert!(rig.until(30.0, |rig| rig.alarms(given_up) > 0), "at once: {at_once}: no word");
+        assert!(rig.alarms("reports stayed away") >= 1);
+        rig.until(2.0, |_| false);
+        assert!(!rig.device.is_moving());
+        if at_once {
+            let ending = rig.run.ending().expect("an ending");
+            assert!(ending.reason.contains(given_up), "{}", ending.reason);
+            continue;
+        }
+        assert_eq!(rig.run_state(), RunState::Stopped);
+        rig.bundle = 0.0;
+        rig.until(2.0, |_| false);
+        goes_on(&mut rig);
+        assert_eq!(rig.alarms(given_up), 1, "a good line");
+    }
+}
+
 /// Nobody knows whether a command began that the line took with it; no end of it ever comes.
 #[test]
 fn a_line_that_took_a_command_with_it_is_back_once_and_for_all() {

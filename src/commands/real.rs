@@ -160,8 +160,11 @@ fn write(run: &mut LiveRun<File>, ending: &Ending, folder: &OutputFolder, second
     results.map_or(Kept::Nothing, |failures| Kept::unless(folder.complaint(recorded, &failures)))
 }
 
-/// Says how to go on with a run that has not come to its end.
+/// Says how to go on with a run that has not come to its end, where its record is there.
 fn say_unfinished(folder: &OutputFolder) {
+    if !folder.journal().exists() {
+        return;
+    }
     let dir = folder.path().display();
     output::say(&format!("periplus: the run was not finished; --resume {dir} goes on with it"));
 }

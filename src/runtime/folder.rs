@@ -194,10 +194,12 @@ impl OutputFolder {
         (!names.is_empty()).then(|| {
             let (names, reasons) = (names.join(", "), reasons.join("; "));
             let folder = self.path.display();
-            let advice = if self.path.exists() {
-                "is there room on the disk?"
-            } else {
+            let advice = if !self.path.exists() {
                 "the folder is no longer there"
+            } else if !self.journal().exists() {
+                "its record is no longer there"
+            } else {
+                "is there room on the disk?"
             };
             format!("{folder}: not written whole: {names} ({reasons}); {advice}")
         })
@@ -219,6 +221,9 @@ impl OutputFolder {
     /// written; what failed is given back.
     #[must_use]
     pub fn write_results(&self, record: &RunRecord<'_>) -> Vec<FolderError> {
+        // Should somebody have removed the folder meanwhile, the map is not lost for that; what else is wrong with
+        // it, writing tells.
+        let _ = fs::create_dir_all(&self.path);
         let map = MapFile::of(record).write();
         let drawing = svg::write(record, &svg::Options::default());
         let mut failures = Vec::new();
@@ -331,6 +336,21 @@ mod tests {
         let path = std::env::temp_dir().join(format!("periplus-{}-{name}", std::process::id()));
         let _ = fs::remove_dir_all(&path);
         path
+    }
+
+    #[test]
+    fn a_folder_that_was_removed_meanwhile_costs_no_map() {
+        let path = place("removed");
+        let (folder, journal) = OutputFolder::create(&path).expect("a new folder");
+        fs::remove_dir_all(&path).expect("removed");
+        drop(journal);
+        let failures = folder.write_results(&sample::room().record());
+        assert!(failures.is_empty(), "{failures:?}");
+        assert!(path.join("map.json").is_file());
+        let gone = Err(io::Error::other("somebody removed it"));
+        let told = folder.complaint(gone, &failures).expect("the record is lost");
+        assert!(told.contains("its record is no longer there"), "{told}");
+        let _ = fs::remove_dir_all(&path);
     }
 
     #[test]

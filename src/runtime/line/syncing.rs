@@ -25,7 +25,7 @@ impl Syncing {
     /// When the system refuses the thread.
     pub(super) fn of(journal: &File) -> io::Result<Self> {
         let file = journal.try_clone()?;
-        Self::with(PAUSE, move || file.sync_data())
+        Self::with(PAUSE, move || file.sync_data().and_then(|()| still_there(&file)))
     }
 
     /// Brings something to the disk by `sync`, with `pause` between two times.
@@ -67,6 +67,26 @@ impl Syncing {
     }
 }
 
+/// A file that somebody removed takes all that is written to it, and nobody will ever read it.
+#[cfg(unix)]
+fn still_there(file: &File) -> io::Result<()> {
+    use std::os::unix::fs::MetadataExt;
+    // A pipe or a device stands in no folder either.
+    let is_removed = |data: std::fs::Metadata| data.is_file() && data.nlink() == 0;
+    if file.metadata().is_ok_and(is_removed) {
+        return Err(io::Error::new(
+            ErrorKind::NotFound,
+            "somebody removed the record while it was written",
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn still_there(_: &File) -> io::Result<()> {
+    Ok(())
+}
+
 /// Some places know no such thing; what is written there is as safe as it will be.
 fn cannot_be_synced(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported)
@@ -75,6 +95,17 @@ fn cannot_be_synced(error: &io::Error) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_record_that_was_removed_is_told() {
+        let path = std::env::temp_dir().join(format!("periplus-{}-removed", std::process::id()));
+        let file = File::create(&path).expect("a file");
+        assert!(Syncing::of(&file).expect("a thread").end().is_none(), "it is there");
+        std::fs::remove_file(&path).expect("removed");
+        let told = Syncing::of(&file).expect("a thread").end().expect("an error");
+        assert!(told.to_string().contains("removed the record"), "{told}");
+    }
 
     #[test]
     fn a_record_that_does_not_reach_the_disk_is_told() {

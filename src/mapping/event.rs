@@ -463,6 +463,14 @@ pub enum Failure {
     WheelsLie,
     /// Many motions in a row led nowhere, by wheels and gyro.
     Unmoved,
+    /// What the robot calls done went the other way by its own gyro or wheels.
+    Contrary,
+    /// Every switch stays closed, however far the robot goes.
+    AllShut,
+    /// The bumper stays pressed, however far the robot backs off.
+    BumperStuck,
+    /// Hardly a switch is left that can be believed.
+    SwitchesOut,
     /// The program gave a command that no robot may be given, or none at all.
     Internal,
     /// The operator ended the run.

@@ -158,7 +158,7 @@ impl Mission {
             unfound: 0,
             way: Vec::new(),
             beside: None,
-            trust: Trust::new(&settings.chassis),
+            trust: Trust::new(&settings.chassis, settings.start.position),
             afresh: false,
             went_on: 0,
             begun_off: None,
@@ -383,8 +383,8 @@ impl Mission {
                 self.tell(slower, out);
             }
         }
-        if self.idle.is_too_much() {
-            return self.fail(Failure::Unmoved, out);
+        if let Some(why) = self.broken() {
+            return self.fail(why, out);
         }
         // No command can follow from a place that is none.
         let pose = self.tracker.pose();

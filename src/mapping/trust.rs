@@ -1,7 +1,10 @@
 //! Which switches can be believed. A switch that does not work gives itself away by contradictions: it
 //! says that something is there wherever the robot goes, it never says so where the others do, or it
-//! changes its mind while nothing moves. It is named to the operator, and not listened to any more.
+//! changes its mind while nothing moves. It is named to the operator, and not listened to any more. Where all of them
+//! say that something is there, or the bumper does, however far the robot goes, there is no going on.
 
+use super::event::Failure;
+use crate::geometry::Point;
 use crate::robot::{Chassis, SwitchSet};
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +43,14 @@ const MISSED: u32 = 6;
 const CHATTER: u32 = 12;
 const SPOT: (f64, f64) = (0.05, 0.6);
 
+/// Nothing is near on all sides of two places so far apart and all the way between them, metres: who is held on all
+/// sides gets nowhere.
+const SHUT: f64 = 0.3;
+/// Whoever drove so far with the bumper pressed all the way, metres, backing off among it, presses against nothing.
+const PRESSED: f64 = 1.0;
+/// With fewer switches no wall is followed.
+const FEWEST: usize = 2;
+
 /// What is known of one switch.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Record {
@@ -61,6 +72,12 @@ pub struct Trust {
     out: SwitchSet,
     /// Whether the turn under way is a large one already.
     large: bool,
+    /// Where the robot was when one switch at least was open last.
+    open_at: Point,
+    /// Metres travelled when the bumper was free last, and robot time then, microseconds.
+    free: (f64, u64),
+    /// The bumper was free since it ended a motion last.
+    released: bool,
 }
 
 /// What the robot has done when its switches are heard.
@@ -72,14 +89,23 @@ pub struct Going {
     pub wound: f64,
     /// Radians of the turn under way.
     pub turn: f64,
+    /// Where it is believed to be.
+    pub at: Point,
 }
 
 impl Trust {
-    /// Every switch of `chassis` is believed until it gives itself away.
+    /// Every switch of `chassis` is believed until it gives itself away; the robot is at `start`.
     #[must_use]
-    pub fn new(chassis: &Chassis) -> Self {
+    pub fn new(chassis: &Chassis, start: Point) -> Self {
         let records = vec![Record::default(); chassis.sensors.len()];
-        Self { records, out: SwitchSet::EMPTY, large: false }
+        Self {
+            records,
+            out: SwitchSet::EMPTY,
+            large: false,
+            open_at: start,
+            free: (0.0, 0),
+            released: true,
+        }
     }
 
     /// The switches that are no longer listened to.
@@ -99,6 +125,9 @@ impl Trust {
         let way = (going.travelled, going.wound);
         let turned = going.turn.abs() > LARGE && !self.large;
         self.large = going.turn.abs() > LARGE;
+        if !(0..self.records.len()).all(|index| closed.has(index)) {
+            self.open_at = going.at;
+        }
         for (index, record) in self.records.iter_mut().enumerate() {
             if way.0 - record.spot.0 > SPOT.0 || way.1 - record.spot.1 > SPOT.1 {
                 (record.spot, record.changes) = (way, 0);
@@ -113,6 +142,39 @@ impl Trust {
             if !now {
                 (record.open_at, record.turns) = (going.travelled, 0);
             }
+        }
+    }
+
+    /// The bumper says whether it is `pressed`, `travelled` metres on the way, at `time_us`.
+    pub fn hear_bumper(&mut self, pressed: bool, travelled: f64, time_us: u64) {
+        if !pressed {
+            (self.free, self.released) = ((travelled, time_us), true);
+        }
+    }
+
+    /// The bumper ended a motion: whether it felt something then, or was pressed all the time.
+    pub fn is_touch(&mut self) -> bool {
+        std::mem::replace(&mut self.released, false)
+    }
+
+    /// When the bumper was free last, robot time in microseconds.
+    #[must_use]
+    pub fn free_us(&self) -> u64 {
+        self.free.1
+    }
+
+    /// Why no wall can be followed with what these switches and the bumper say of a robot that has come so far, if
+    /// that is so.
+    #[must_use]
+    pub fn ends(&self, going: &Going) -> Option<Failure> {
+        if (going.at - self.open_at).norm() > SHUT {
+            Some(Failure::AllShut)
+        } else if going.travelled - self.free.0 > PRESSED {
+            Some(Failure::BumperStuck)
+        } else if self.records.len() - self.out.iter().count() < FEWEST {
+            Some(Failure::SwitchesOut)
+        } else {
+            None
         }
     }
 
@@ -155,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_switch_that_stays_closed_through_every_turn_is_stuck() {
-        let mut trust = Trust::new(&Chassis::default());
+        let mut trust = Trust::new(&Chassis::default(), Point::origin());
         let mut going = Going::default();
         for _ in 0..TURNS {
             assert_eq!(trust.next_defect(&going), None);
@@ -177,11 +239,11 @@ mod tests {
 
     #[test]
     fn a_switch_along_a_curved_wall_may_stay_closed_for_ever() {
-        let mut trust = Trust::new(&Chassis::default());
+        let mut trust = Trust::new(&Chassis::default(), Point::origin());
         for step in 0..2000 {
             let travelled = f64::from(step) * 0.05;
             let turn = if step % 2 == 0 { 0.3 } else { -0.2 };
-            let going = Going { travelled, wound: travelled * 5.0, turn };
+            let going = Going { travelled, wound: travelled * 5.0, turn, ..Going::default() };
             trust.hear(closed(&[2]), &going);
             assert_eq!(trust.next_defect(&going), None);
         }
@@ -189,7 +251,8 @@ mod tests {
 
     #[test]
     fn a_switch_that_misses_is_dead_unless_it_ever_fired() {
-        let (mut trust, going) = (Trust::new(&Chassis::default()), Going::default());
+        let (mut trust, going) =
+            (Trust::new(&Chassis::default(), Point::origin()), Going::default());
         trust.hear(closed(&[1]), &going);
         for _ in 0..MISSED {
             trust.missed(1);
@@ -201,7 +264,8 @@ mod tests {
 
     #[test]
     fn a_switch_that_changes_all_the_time_chatters() {
-        let (mut trust, going) = (Trust::new(&Chassis::default()), Going::default());
+        let (mut trust, going) =
+            (Trust::new(&Chassis::default(), Point::origin()), Going::default());
         for k in 0..CHATTER {
             assert_eq!(trust.next_defect(&going), None, "after {k}");
             trust.hear(if k % 2 == 0 { closed(&[6]) } else { closed(&[]) }, &going);

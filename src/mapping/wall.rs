@@ -190,6 +190,14 @@ impl Wall {
         seen
     }
 
+    /// What the bumper was said to touch after `since_us`, robot time in microseconds, was nothing.
+    pub fn untouch(&mut self, since_us: u64) {
+        let felt = |seen: &&mut Sighting| seen.kind == ContactKind::Touch && seen.sensor.is_none();
+        for seen in self.log.iter_mut().filter(felt).filter(|seen| seen.time_us > since_us) {
+            seen.alive = false;
+        }
+    }
+
     /// One of which `seen` is known already.
     #[must_use]
     pub fn of(chassis: &Chassis, seen: impl IntoIterator<Item = Sighting>) -> Self {

@@ -35,8 +35,6 @@ pub(super) fn draw(
             let clear = model.keymap.way(Action::ClearStop);
             let how = if snapshot.recorded {
                 "the robot of the run was stopped here".to_owned()
-            } else if snapshot.is_moving() {
-                "it was told to, and has not said yet that it stands".to_owned()
             } else {
                 format!("{clear} clears the stop; phase and map are kept")
             };

@@ -182,8 +182,7 @@ fn matters(info: &ActionInfo, model: &Model, snapshot: &Snapshot) -> bool {
     !(info.footer.is_empty() || useless)
         && match info.action {
             Action::Stop => !stopped && !over && !snapshot.recorded,
-            // Not before it is known to stand.
-            Action::ClearStop => stopped && !snapshot.is_moving(),
+            Action::ClearStop => stopped,
             Action::RunPause | Action::StepCommand | Action::StepEvent | Action::StepPhase => {
                 let goes_on = !stopped && !over || snapshot.recorded;
                 goes_on && snapshot.record_end.is_none()

@@ -33,6 +33,20 @@ impl fmt::Display for Failure {
                 "one motion after the other ends and the robot is where it was: see whether a wheel is \
                  blocked, whether motors, encoders and gyro work, and whether it can turn by half a degree"
             }
+            Self::Contrary => {
+                "motions that the robot calls done went the other way by its own count: see to the sign of the \
+                 gyro (is it mounted upside down?) and of the encoders"
+            }
+            Self::AllShut => {
+                "every switch says that something is near, however far the robot goes: are they read the other \
+                 way round (active low)?"
+            }
+            Self::BumperStuck => {
+                "the bumper says that it is pressed, however far the robot goes from there: see to it"
+            }
+            Self::SwitchesOut => {
+                "hardly a switch is left that can be believed: see to those that the log names"
+            }
             Self::Internal => {
                 "a mistake in the program: it gave a command that cannot be, or none at all; what is mapped \
                  is kept, and the log says more"

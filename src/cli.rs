@@ -132,7 +132,7 @@ pub struct RunArgs {
 pub struct RobotArgs {
     /// World file for the simulator: TOML or GeoJSON
     #[arg(long, value_name = "FILE")]
-    pub world: PathBuf,
+    pub world: Option<PathBuf>,
     /// Speak through a new pseudo-terminal, whose path is printed first
     #[arg(long, conflicts_with = "port")]
     pub pty: bool,

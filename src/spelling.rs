@@ -58,6 +58,11 @@ pub fn plainly(said: &str) -> &str {
         "invalid mantissa, expected digits" => {
             "a number has digits on both sides of its point, as in 0.2"
         }
+        said if said.starts_with("invalid float, expected `nan`")
+            || said.starts_with("string values must be") =>
+        {
+            "a value is a number without a unit, as in 0.2, or text in quotes, as in \"none\""
+        }
         other => other,
     }
 }
@@ -77,6 +82,18 @@ mod tests {
         assert_eq!(meant("xylophone"), None);
         assert_eq!(nearest("z", ["x", "y"]), None);
         assert_eq!(meant(&"stop".repeat(20_000)), None);
+    }
+
+    #[test]
+    fn what_the_reader_says_of_words_without_quotes_is_said_plainly() {
+        for text in ["noise=none", "x=1m", "radius = 0.12 m", "world=room.toml"] {
+            let said = text.parse::<toml::Table>().expect_err("no TOML").message().to_owned();
+            assert!(!plainly(&said).contains("nan"), "{text}: {said}");
+        }
+        for text in ["noise=none", "x=1m"] {
+            let said = text.parse::<toml::Table>().expect_err("no TOML").message().to_owned();
+            assert!(plainly(&said).contains("in quotes"), "{text}: {said}");
+        }
     }
 
     #[test]

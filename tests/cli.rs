@@ -85,6 +85,7 @@ fn what_is_missing_is_named() {
     refused(&["run", "--out", "x"], &["needs --world FILE or --port DEVICE"]);
     refused(&["run", "--world", "room.toml"], &["needs --out DIR"]);
     refused(&["check"], &["FILE"]);
+    refused(&["robot", "--pty"], &["robot", "needs --world FILE"]);
     refused(&["snapshot", "--world", "room.toml", "--size", "80x24"], &["--until"]);
 }
 
@@ -246,6 +247,11 @@ fn check_knows_each_kind_of_file_and_begins_with_its_name() {
         (b"seed = 3\nalpha = 9\n", ":2: `alpha`: "),
         (b"start = { x = 1, y = 1 }\n", "`boundary` is missing"),
         (b"colour = 1\n", "a chassis"),
+        (
+            b"world = \"room.toml\"\nport = \"/dev/ttyUSB0\"\n",
+            ":2: `port`: a run is of the simulator",
+        ),
+        (b"seed = 3\nnoise = none\n", ":2: a value is a number without a unit"),
     ] {
         let (status, told) = told("a.toml", text);
         assert!(status == Some(2) && told.contains(words), "{told}");

@@ -55,6 +55,11 @@ pub fn read(path: &Path, flags: &mut Common) -> Result<Places, ArgumentError> {
         let why = "a run that goes on stays in its folder; leave out `out` or `resume`";
         return Err(file.bad(entry, why));
     }
+    let both = ["world", "port"].iter().all(|key| entries.iter().any(|entry| entry.key == *key));
+    if both && let Some(entry) = entries.iter().find(|entry| entry.key == "port") {
+        let why = "a run is of the simulator or of a real robot; leave out `world` or `port`";
+        return Err(file.bad(entry, why));
+    }
     for entry in entries {
         if FLAGS_ONLY.contains(&entry.key.as_str()) {
             return Err(file.bad(&entry, &format!("this is only a flag: --{}", entry.key)));

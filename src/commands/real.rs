@@ -257,7 +257,7 @@ pub fn console(address: &Address, screen: Options, common: &Common) -> Result<u8
 /// When the world is wrong or the line cannot be had.
 pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
     let common = Common { robot: args.robot.clone(), ..Common::default() };
-    let (common, _) = common.with_config()?;
+    let (common, places) = common.with_config()?;
     let speed = args.speed.unwrap_or(1.0);
     if !(0.1..=1000.0).contains(&speed) {
         let why = format!("--speed {speed}: from 0.1 to 1000 times as fast as life");
@@ -268,7 +268,9 @@ pub fn robot(args: &RobotArgs) -> Result<u8, CommandError> {
         Some(Err(why)) => return Err(CommandError::Input(format!("--faults {why}"))),
         None => Faults::default(),
     };
-    let world = world::load(&args.world, &common)?;
+    let world = args.world.clone().or(places.world);
+    let world = world.ok_or(ArgumentError::Missing { command: "robot", flag: "--world FILE" })?;
+    let world = world::load(&world, &common)?;
     let chassis = common.body()?;
     let signals = Signals::listen()
         .map_err(|source| CommandError::System { what: "listening for signals", source })?;

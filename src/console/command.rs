@@ -179,7 +179,7 @@ impl Command {
                 Some(_) => Err(CommandError::Alone { name: word.to_owned() }),
                 None => Err(CommandError::Unknown {
                     word: word.to_owned(),
-                    meant: nearest(word, names()).map(str::to_owned),
+                    meant: nearest(word, names()).or_else(|| begun(word)).map(str::to_owned),
                 }),
             },
         }
@@ -205,6 +205,12 @@ impl Command {
     pub fn candidates(text: &str, steered: Steered) -> impl Iterator<Item = &'static str> {
         names().filter(move |name| name.starts_with(text) && steered.takes(name))
     }
+}
+
+/// The one name that begins with `word`; none when there are more.
+fn begun(word: &str) -> Option<&'static str> {
+    let mut all = names().filter(|name| name.starts_with(word));
+    all.next().filter(|_| all.next().is_none())
 }
 
 fn names() -> impl Iterator<Item = &'static str> {
@@ -308,6 +314,8 @@ mod tests {
             ("at -3", "at needs seconds"),
             ("stop now", "`stop` stands alone"),
             ("zzzzz", "no command `zzzzz`; the help lists them"),
+            ("q", "no command `q`; did you mean `quit`?"),
+            ("s", "no command `s`; the help lists them"),
         ] {
             let message = Command::parse(text).map_err(|error| error.to_string());
             assert!(message.clone().is_err_and(|m| m.starts_with(says)), "{text}: {message:?}");

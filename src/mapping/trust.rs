@@ -72,8 +72,8 @@ pub struct Trust {
     out: SwitchSet,
     /// Whether the turn under way is a large one already.
     large: bool,
-    /// Where the robot was when one switch at least was open last.
-    open_at: Point,
+    /// Metres travelled when one switch at least was open last, and where the robot was then.
+    open: (f64, Point),
     /// Metres travelled when the bumper was free last, and robot time then, microseconds.
     free: (f64, u64),
     /// The bumper was free since it ended a motion last.
@@ -102,7 +102,7 @@ impl Trust {
             records,
             out: SwitchSet::EMPTY,
             large: false,
-            open_at: start,
+            open: (0.0, start),
             free: (0.0, 0),
             released: true,
         }
@@ -126,7 +126,7 @@ impl Trust {
         let turned = going.turn.abs() > LARGE && !self.large;
         self.large = going.turn.abs() > LARGE;
         if !(0..self.records.len()).all(|index| closed.has(index)) {
-            self.open_at = going.at;
+            self.open = (going.travelled, going.at);
         }
         for (index, record) in self.records.iter_mut().enumerate() {
             if way.0 - record.spot.0 > SPOT.0 || way.1 - record.spot.1 > SPOT.1 {
@@ -167,7 +167,9 @@ impl Trust {
     /// that is so.
     #[must_use]
     pub fn ends(&self, going: &Going) -> Option<Failure> {
-        if (going.at - self.open_at).norm() > SHUT {
+        // Carried off it is elsewhere without a way, held fast it has gone a way and got nowhere.
+        let (went, got) = (going.travelled - self.open.0, (going.at - self.open.1).norm());
+        if went.min(got) > SHUT {
             Some(Failure::AllShut)
         } else if going.travelled - self.free.0 > PRESSED {
             Some(Failure::BumperStuck)

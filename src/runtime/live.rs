@@ -82,9 +82,7 @@ pub struct LiveRun<W: Write> {
     refused: Option<(f64, String)>,
     /// A command that waits to be recorded, and for the line to be sound.
     held: Option<Command>,
-    /// Motions in a row that were stopped because nothing was heard meanwhile, and whether the one in hand was.
-    blinded: u32,
-    blind: bool,
+    blinded: Blinded,
     /// The run was taken up, in the same life of the robot, and has not heard from it yet.
     taken_up: bool,
     last: (Odometer, SwitchSet, bool),
@@ -101,6 +99,15 @@ pub struct LiveRun<W: Write> {
     attended: Option<f64>,
     map: RoomMap,
     version: u64,
+}
+
+/// Motions that were stopped because nothing was heard meanwhile.
+#[derive(Debug, Clone, Copy, Default)]
+struct Blinded {
+    /// So many in a row.
+    row: u32,
+    /// The one in hand was.
+    this: bool,
 }
 
 impl<W: Write> LiveRun<W> {
@@ -124,8 +131,7 @@ impl<W: Write> LiveRun<W> {
             carried: None,
             refused: None,
             held: None,
-            blinded: 0,
-            blind: false,
+            blinded: Blinded::default(),
             taken_up: false,
             last: (Odometer::default(), SwitchSet::EMPTY, false),
             taken: 0.0,
@@ -287,7 +293,7 @@ impl<W: Write> LiveRun<W> {
                 }
                 Heard::NotBegun(id) => self.not_begun(id, now),
                 Heard::Blinded => {
-                    self.blind = true;
+                    self.blinded.this = true;
                     let what = "reports stayed away while the robot moved: it was stopped";
                     self.remark_once(what.to_owned(), now);
                 }
@@ -348,15 +354,16 @@ impl<W: Write> LiveRun<W> {
     /// Counts the motions in a row that ended so because host and robot did not hear each other. Once is a hiccup; a
     /// line that does it every time is none to drive over.
     fn count_blinded(&mut self, reason: DoneReason, now: f64) {
-        self.blinded = match (reason, std::mem::take(&mut self.blind)) {
-            (DoneReason::HostSilent, _) | (DoneReason::Stopped, true) => self.blinded + 1,
-            (DoneReason::Stopped, false) => self.blinded,
+        let Blinded { row, this } = std::mem::take(&mut self.blinded);
+        self.blinded.row = match (reason, this) {
+            (DoneReason::HostSilent, _) | (DoneReason::Stopped, true) => row + 1,
+            (DoneReason::Stopped, false) => row,
             _ => 0,
         };
-        if self.blinded < BLINDED {
+        if self.blinded.row < BLINDED {
             return;
         }
-        self.blinded = 0;
+        self.blinded = Blinded::default();
         let why = format!(
             "{BLINDED} motions in a row were stopped because robot and host did not hear each other meanwhile: the \
              line hands on what they say too far apart to drive by; look at the radio link, or at what bundles its \

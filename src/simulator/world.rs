@@ -246,6 +246,10 @@ mod tests {
             ),
             (format!("{START}[boundary]\nvertices = [[0,0],[4,0,1e9],[4,4],[0,4]]\n"), "100 km"),
             (
+                format!("{START}[boundary]\nvertices = [[0,0],[4,0,90],[4,4],[0,4]]\n"),
+                "half circle",
+            ),
+            (
                 format!(
                     "{START}{square}[[objects]]\ncircle = {{ center = [1e308, 1], radius = 1 }}\n"
                 ),

@@ -224,7 +224,8 @@ fn squaring(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
 fn laps(f: &mut fmt::Formatter<'_>, kind: &EventKind) -> fmt::Result {
     match kind {
         EventKind::Heading { heading, tried } => {
-            let (towards, time) = (heading.to_degrees(), tried + 1);
+            // No minus before a zero.
+            let (towards, time) = (heading.to_degrees().round() + 0.0, tried + 1);
             write!(f, "looking for a wall towards {towards:.0}° (try {time})")
         }
         EventKind::LapCandidate { off } => write!(f, "lap may be closed, {:.0} mm off", off * 1e3),

@@ -303,13 +303,12 @@ mod tests {
     fn a_gyro_that_is_upside_down_ends_the_run() {
         let (mission, count) = driven(|motion, told| {
             let Telemetry::Done { odometer, switches, reason, .. } = told else { return };
-            match motion {
-                Motion::Turn { angle, .. } => odometer.heading -= 2.0 * angle,
+            if let Motion::Turn { angle, .. } = motion {
+                odometer.heading -= 2.0 * angle;
+            } else {
                 // There is a wall ahead, or nothing would ever be turned.
-                _ => {
-                    *switches = SwitchSet::only(0);
-                    *reason = DoneReason::Guard { sensor: 0, rising: true };
-                }
+                *switches = SwitchSet::only(0);
+                *reason = DoneReason::Guard { sensor: 0, rising: true };
             }
         });
         assert_eq!(mission.outcome(), Outcome::Failed(Failure::Contrary), "after {count}");

@@ -98,6 +98,10 @@ pub(super) fn parse(text: &str, place: &str) -> Result<Draft, WorldError> {
     Ok(Draft { world: World { name, start, boundary, objects }, start_place, boundary_place })
 }
 
+/// An arc that turns by 350 degrees has this bulge: nobody draws one that turns farther, and who writes more, up to a
+/// whole turn, means degrees.
+const MOST_BULGE: f64 = 23.0;
+
 /// The line of byte `at`, from 1.
 fn line(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|&byte| byte == b'\n').count() + 1
@@ -110,6 +114,14 @@ fn ring(outline: &Outline, place: &str) -> Result<Ring, WorldError> {
             for (k, v) in vertices.iter().enumerate() {
                 match v.as_slice() {
                     [x, y] => corners.push((*x, *y, 0.0)),
+                    [_, _, bulge] if (MOST_BULGE..=360.0).contains(&bulge.abs()) => {
+                        let why = format!(
+                            "{} has a bulge of {bulge}: that is the tangent of a quarter of the arc's turn, 1 for a \
+                             half circle, and no angle in degrees",
+                            outline::vertex(k)
+                        );
+                        return Err(WorldError::new(place, why));
+                    }
                     [x, y, bulge] => corners.push((*x, *y, *bulge)),
                     _ => {
                         return Err(WorldError::new(

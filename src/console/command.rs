@@ -213,6 +213,7 @@ fn begun(word: &str) -> Option<&'static str> {
     all.next().filter(|_| all.next().is_none())
 }
 
+/// The names of all commands.
 fn names() -> impl Iterator<Item = &'static str> {
     COMMANDS.iter().map(|&(name, ..)| name).chain(ACTIONS.iter().map(|info| info.name))
 }

@@ -13,7 +13,6 @@ use super::prompt::Prompt;
 use super::view::log::scrolled;
 use super::view::map::viewport;
 use crate::geometry::Vector;
-use crate::mapping::event::Failure;
 use crate::mapping::settings::ALPHA;
 use crate::robot::Intent;
 use crate::session::snapshot::{Known, RunState, Snapshot};
@@ -282,20 +281,16 @@ fn go(model: &mut Model, snapshot: &Snapshot, action: Action) -> Vec<Effect> {
     if let Some(how) = &snapshot.record_end {
         return refuse(model, how.clone());
     }
-    match snapshot.run {
-        // A stop, or a robot that asks where it is, was for the operator of then: the playback goes over it, and on
-        // after the end of the run to that of the record.
-        _ if snapshot.recorded => {}
-        RunState::Stopped => {
+    // A stop, or a robot that asks where it is, was for the operator of then: the playback goes over it, and on
+    // after the end of the run to that of the record.
+    if !snapshot.recorded {
+        if snapshot.run == RunState::Stopped {
             let clear = model.keymap.way(Action::ClearStop);
             return refuse_now(model, snapshot, format!("stopped: {clear} clears the stop first"));
         }
-        RunState::Complete => return refuse(model, "the run is complete".to_owned()),
-        RunState::Failed(Failure::Ended) => {
-            return refuse(model, "the run was ended by the operator".to_owned());
+        if let Some(how) = snapshot.run.told_over() {
+            return refuse(model, how);
         }
-        RunState::Failed(why) => return refuse(model, format!("the run has ended: {why}")),
-        RunState::Paused | RunState::Running | RunState::Stepping(_) => {}
     }
     let intent = match action {
         Action::StepCommand => Intent::StepCommand,

@@ -7,6 +7,7 @@
 
 mod again;
 mod apart;
+mod broken;
 mod hearing;
 mod idle;
 mod phases;

@@ -5,7 +5,6 @@ use super::Ending;
 use crate::console::driver::Driver;
 use crate::export::{Outcome, RunRecord};
 use crate::journal::{Recording, Torn};
-use crate::mapping::event::Failure;
 use crate::mapping::map::RoomMap;
 use crate::robot::Intent;
 use crate::session::replay::{Difference, Landmark, Replay};
@@ -127,13 +126,8 @@ fn record_end(replay: &Replay) -> Option<String> {
     if !replay.is_over() {
         return None;
     }
-    match replay.session().run_state() {
-        RunState::Complete => return Some("the run is complete".to_owned()),
-        RunState::Failed(Failure::Ended) => {
-            return Some("the run was ended by the operator".to_owned());
-        }
-        RunState::Failed(why) => return Some(format!("the run has ended: {why}")),
-        _ => {}
+    if let Some(how) = replay.session().run_state().told_over() {
+        return Some(how);
     }
     let ends = "the record ends here, and the run was not over";
     Some(match replay.torn() {

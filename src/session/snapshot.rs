@@ -31,6 +31,17 @@ impl RunState {
     pub fn is_over(self) -> bool {
         matches!(self, Self::Complete | Self::Failed(_))
     }
+
+    /// How it ended, for who wants it to go on; none where it can.
+    #[must_use]
+    pub fn told_over(self) -> Option<String> {
+        match self {
+            Self::Complete => Some("the run is complete".to_owned()),
+            Self::Failed(Failure::Ended) => Some("the run was ended by the operator".to_owned()),
+            Self::Failed(why) => Some(format!("the run has ended: {why}")),
+            Self::Paused | Self::Running | Self::Stepping(_) | Self::Stopped => None,
+        }
+    }
 }
 
 /// How far a step goes.

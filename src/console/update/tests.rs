@@ -4,6 +4,7 @@ use super::line::obey;
 use super::*;
 use crate::console::Keymap;
 use crate::console::command::Command;
+use crate::mapping::event::Failure;
 
 use crate::geometry::{Point, Pose};
 use crate::mapping::map::{Contact, ContactKind, Plan, PlanFigures};

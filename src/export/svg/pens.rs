@@ -124,7 +124,7 @@ const REJECTED: Pen = Pen::of_plan("plan-rejected", "line rejected", color::REJE
 /// The pens of the plan in the order of the legend.
 pub(super) const OF_PLAN: [Pen; 6] = [PLANNED, DRIVEN, ADDED, BLOCKED, SKIPPED, REJECTED];
 
-/// The pen for a line of `plan`, or none when the picture leaves it out.
+/// The lines of `plan` that the picture shows, each with its pen.
 pub(super) fn of_lines<'a>(
     plan: &'a Plan,
     options: &'a Options,
